@@ -20,8 +20,9 @@
 //! in series with its fluid: its aperture is `w + c (p - p_cavitation)`. Fluid and spring add at most 1 to
 //! `ω² Δt²` of the step, whose limit is 4. The additional aperture is an error of `c p/w`; with 1e6 Pa,
 //! elements of 3 mm and a step of the fluid in each step of the solid it is some 0.05 µm. It grows with the
-//! square of the number of steps of the solid in one of the fluid. With more than one, openings are those in the middle
-//! of that time, by the present velocities; otherwise pressures would come late and feed vibrations.
+//! square of the number of steps of the solid in one of the fluid. With more than one, openings are those in
+//! the middle of that time, by the present velocities; otherwise pressures would come late and feed
+//! vibrations.
 //!
 //! The fixed-stress split, with the flexibility of the whole crack against the *last* pressure, is made for a
 //! solid that is in equilibrium after each step. In one that moves it sums up the error of the volume over
