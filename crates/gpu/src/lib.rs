@@ -12,8 +12,8 @@
 //!   of devices has.
 //! - [`DeviceRows`] is the search in one set: couples, counts, lists of neighbours, and elements that are on
 //!   the device already ([`PlacedElements`]). [`DeviceIndex`] searches in two sets. Images of periodic boxes
-//!   are made on the processor, and [`PeriodicSearch`](fdem_contact::PeriodicSearch::couples_by) searches them
-//!   by any search. Both sort by one part of the crate, `sorted.rs`.
+//!   are made on the processor, and [`PeriodicSearch`](fdem_contact::PeriodicSearch::couples_by) searches
+//!   them by any search. Both sort by one part of the crate, `sorted.rs`.
 //! - [`deform`] computes single elements.
 //! - [`DeviceSolid`] computes phases of a step for a simulation of fdem-simulation, which
 //!   [`put_on`](fdem_simulation::Simulation::put_on) hands over to it: elements with initial stress and
@@ -25,8 +25,8 @@
 //! # Sums
 //!
 //! Works are rounded to grains (`Grains` in `sum.rs` of fdem-simulation), so that plain sums over the nodes
-//! of a block are exact. Sums of these and of energies are whole numbers, the parts of a `Sum` there: exact in
-//! any order. The host adds the parts of blocks.
+//! of a block are exact. Sums of these and of energies are whole numbers, the parts of a `Sum` there: exact
+//! in any order. The host adds the parts of blocks.
 //!
 //! # Twins
 //!

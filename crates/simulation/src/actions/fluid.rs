@@ -73,7 +73,7 @@ struct SourcePlace<const D: usize> {
     walls: Vec<[u32; D]>,
     /// Rims of the wall: cells that have one of them are connected with the hole.
     rims: BTreeSet<Rim>,
-    /// Its facets with joints, by ascending vertices.
+    /// Facets with joints, by ascending vertices.
     joints: BTreeSet<[u32; D]>,
     /// Volume of the hole, m³.
     volume: f64,

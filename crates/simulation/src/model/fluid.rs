@@ -80,9 +80,9 @@ pub enum WetFrom {
 pub struct FluidSource<const D: usize = 2> {
     /// Name, for messages; no other source has it.
     pub name: String,
-    /// Facets by their nodes: those of the outline of a hole, which go around it counter-clockwise seen from
-    /// inside of the body's elements, as those of a [`Target`](crate::Target), or facets with open joints.
-    /// The pressure acts on the wall of the hole, too, and its volume is part of that of the fluid.
+    /// Facets by their nodes: the outline of a hole, around the elements as in a
+    /// [`Target`](crate::Target), or facets with open joints. The pressure acts on the wall of the hole,
+    /// too, whose volume is part of that of the fluid.
     pub facets: Vec<[u32; D]>,
     /// Rate or pressure; `None` for a hole that is only connected with cracks. Times are those of the run.
     pub drive: Option<Drive>,

@@ -328,7 +328,7 @@ where
         self.actions.cavities.state(u32::try_from(boundary).ok()?)
     }
 
-    /// The fluid in the cracks: pressures, apertures and saturations of its cells, what its sources inject,
+    /// The fluid in the cracks: pressures, apertures and saturations of its cells, injection by its sources,
     /// and the balance of its mass. Sources have their numbers in the model as keys, cells those of
     /// [`Simulation::fluid_joints`]. `None` without fluid.
     pub fn fluid(&self) -> Option<&Network<D>> {

@@ -13,10 +13,10 @@ const CLOSED: f64 = 1e-9;
 
 /// The boundary of a facet is made of rims: its vertices, in three dimensions its edges. Numbers of vertices
 /// in the whole mesh, ascending; [`NONE`] for a missing one.
-pub(in crate::actions) type Rim = [u32; 2];
+pub(crate) type Rim = [u32; 2];
 
 /// The rims of a facet with these vertices.
-pub(in crate::actions) fn rims<const D: usize>(vertices: [u32; D]) -> impl Iterator<Item = Rim> {
+pub(crate) fn rims<const D: usize>(vertices: [u32; D]) -> impl Iterator<Item = Rim> {
     (0..D).map(move |without| {
         let mut rim = [NONE; 2];
         let others = (0..D).filter(|&k| k != without).map(|k| vertices[k]);
@@ -28,16 +28,16 @@ pub(in crate::actions) fn rims<const D: usize>(vertices: [u32; D]) -> impl Itera
 
 /// A face of a cavity that belongs to an element here.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::actions) struct Face<const D: usize> {
+pub(crate) struct Face<const D: usize> {
     /// Corners of the element, in the order in which they go around the face, seen from outside.
-    pub(in crate::actions) corners: [u32; D],
+    pub(crate) corners: [u32; D],
     /// Area vector along the outward normal, m², and mean position of the corners, m, at the last positions.
-    pub(in crate::actions) area: Point<D>,
-    pub(in crate::actions) middle: Point<D>,
+    pub(crate) area: Point<D>,
+    pub(crate) middle: Point<D>,
 }
 
 impl<const D: usize> Face<D> {
-    pub(in crate::actions) fn new<const N: usize>(corners: [u32; D], solid: &Solid<D, N>) -> Self
+    pub(crate) fn new<const N: usize>(corners: [u32; D], solid: &Solid<D, N>) -> Self
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
@@ -53,7 +53,7 @@ impl<const D: usize> Face<D> {
 
 /// Adds the sides of a joint that belong to elements here. Returns the volume by which it is open, m³, as
 /// far as this rank counts it.
-pub(in crate::actions) fn add_sides<const D: usize, const N: usize>(
+pub(crate) fn add_sides<const D: usize, const N: usize>(
     faces: &mut Vec<Face<D>>,
     joint: &BrokenSides<D>,
     scene: &Scene<'_, D, N>,
@@ -89,10 +89,7 @@ where
 
 /// The volume that undeformed facets enclose, m³, with that by which their motion has increased it; the
 /// second alone if they do not enclose any.
-pub(in crate::actions) fn volumes<const D: usize, const N: usize>(
-    faces: &[Face<D>],
-    scene: &Scene<'_, D, N>,
-) -> [f64; 2]
+pub(crate) fn volumes<const D: usize, const N: usize>(faces: &[Face<D>], scene: &Scene<'_, D, N>) -> [f64; 2]
 where
     [[f64; D]; N]: Simplex<D, N>,
 {

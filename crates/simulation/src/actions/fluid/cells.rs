@@ -13,7 +13,7 @@ use crate::vector::dot;
 pub(super) struct FluidCell {
     /// Code of its facet.
     pub(super) key: u64,
-    /// Its number among the joints.
+    /// Number of the joint.
     pub(super) joint: u32,
     pub(super) facet: u32,
     /// Growth of its aperture with the pressure, m/Pa: see the front page of the module.

@@ -82,7 +82,7 @@ impl<const D: usize> SavedCell<D> {
         Self { row: Row::of(state, row), corners: shape.corners, last }
     }
 
-    /// Its last shape.
+    /// Shape at the last step of the fluid.
     pub(super) fn shape(&self) -> Shape<D> {
         let [opening, compression, compliance] = self.last;
         Shape { corners: self.corners, opening, compression, compliance, is_wet: true }
@@ -98,7 +98,7 @@ impl SavedSource {
         Self { row, numbers: [state.injected[source], state.rate[source], volume] }
     }
 
-    /// Its last volume, m³.
+    /// Volume at the last step of the fluid, m³.
     pub(super) fn volume(&self) -> f64 {
         self.numbers[2]
     }
