@@ -14,12 +14,11 @@ const COUNT: u64 = 250_000;
 
 /// An element that is turned and strained: by 1e-9 up to a half, so that small and large strains are among
 /// them, and some at the limit between the two.
-fn element<const D: usize>(seed: u64) -> ElementState<D> {
-    let mut random = Random::new(seed);
+fn element<const D: usize>(kind: u64, random: &mut Random) -> ElementState<D> {
     let mut any = |size: f64| -> [[f64; D]; D] {
         std::array::from_fn(|_| std::array::from_fn(|_| size * random.between(-1.0, 1.0)))
     };
-    let strain = 0.5 * 10.0_f64.powi(-((seed % 28) as i32) / 3);
+    let strain = 0.5 * 10.0_f64.powi(-((kind % 28) as i32) / 3);
     let (mut edges, mut gradients, off) = (any(0.2), any(0.0), any(strain));
     for axis in 0..D {
         edges[axis][axis] += 1.0;
@@ -94,7 +93,8 @@ fn unlike<const D: usize, const N: usize>(
     kind: ElementKind,
     on_processor: fn(&[ElementState<D>], [bool; 2]) -> Vec<ElementForces<D, N>>,
 ) -> usize {
-    let elements: Vec<ElementState<D>> = (0..COUNT).map(element).collect();
+    let mut random = Random::new(5);
+    let elements: Vec<ElementState<D>> = (0..COUNT).map(|kind| element(kind, &mut random)).collect();
     let states: Vec<f64> = elements.iter().flat_map(numbers).collect();
     let counts = |place: usize| {
         let (row, column) = ((place / D).wrapping_sub(N), place % D);
@@ -154,45 +154,43 @@ fn the_exponential_has_the_bits_of_libm() {
 }
 
 /// An end of a joint: near its strength, softened, broken or pressed, and moved in any direction from there.
-fn end<const D: usize>(seed: u64) -> JointEnd<D> {
-    let mut random = Random::new(seed);
+fn end<const D: usize>(kind: u64, random: &mut Random) -> JointEnd<D> {
     let mut vector = |size: f64| -> [f64; D] { std::array::from_fn(|_| size * random.between(-1.0, 1.0)) };
-    let mut normal = vector(if seed.is_multiple_of(3) { 0.7 } else { 0.0 });
+    let mut normal = vector(if kind.is_multiple_of(3) { 0.7 } else { 0.0 });
     normal[0] = 1.0;
     let long = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
     let normal = normal.map(|x| x / long);
     let (mut gap, origin, rubbed) = (vector(1.0), vector(1e-8), vector(1e-6));
-    let mut random = Random::new(!seed);
     let (tensile, cohesion) = (random.between(0.3e6, 2e6), random.between(0.3e6, 6e6));
     let penalty = 1e12 * libm::exp2(random.between(0.0, 6.0));
     let critical = [random.between(2e-6, 3e-5), random.between(2e-6, 3e-5)];
     // The bond of the damage, which may be that of another direction.
-    let damage = if seed.is_multiple_of(4) { 0.0 } else { random.uniform() };
+    let damage = if kind.is_multiple_of(4) { 0.0 } else { random.uniform() };
     let share = random.uniform();
     let strength = tensile + share * (cohesion - tensile);
     let left = (1.0 - damage) * (1.0 - damage);
     let softened = strength * left / (strength + penalty * damage * critical[0]);
-    let (damages, stiffness) = match seed % 4 {
+    let (damages, stiffness) = match kind % 4 {
         0 => ([0.0; 2], 1.0),
         1 => ([share, 1.0 - share], 0.0),
         _ => ([damage * (1.0 - share), damage * share], softened),
     };
     // To the strength, or through the softening range; closed in every third.
-    let size = match seed % 5 {
+    let size = match kind % 5 {
         0 | 1 => strength / penalty * (1.0 + 1e-3 * random.between(-1.0, 1.0)),
         2 => strength / penalty * 2.0 * random.uniform(),
         _ => strength / penalty + 1.2 * damage.max(0.1) * critical[0] * random.uniform(),
     };
     let long = gap.iter().map(|x| x * x).sum::<f64>().sqrt();
     gap = gap.map(|x| size * x / long);
-    match seed % 7 {
+    match kind % 7 {
         0 => gap[0] = 0.0,
         1 => gap[1..].fill(0.0),
         2 => gap = origin,
         3 | 4 => gap[0] = -gap[0].abs(),
         _ => {}
     }
-    let at_rest = seed.is_multiple_of(2);
+    let at_rest = kind.is_multiple_of(2);
     JointEnd {
         law: FlatLaw {
             normal,
@@ -227,7 +225,8 @@ fn numbers_of_end<const D: usize>(of: &JointEnd<D>) -> impl Iterator<Item = f64>
 
 /// Number of ends with other bits on the device. Ends of all kinds soften, rest, slip and stick.
 fn unlike_ends<const D: usize>(build: HostBuild, count: u64) -> usize {
-    let mut ends: Vec<JointEnd<D>> = (0..count).map(end).collect();
+    let mut random = Random::new(23);
+    let mut ends: Vec<JointEnd<D>> = (0..count).map(|kind| end(kind, &mut random)).collect();
     let mut numbers: Vec<f64> = ends.iter().flat_map(numbers_of_end).collect();
     let before: Vec<EndMemory<D>> = ends.iter().map(|end| end.memory).collect();
     fdem_simulation::soften_ends(&mut ends);
