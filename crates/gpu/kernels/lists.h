@@ -2,9 +2,6 @@
 #pragma once
 #include "pairs.h"
 
-INLINE double root(double x) { return sqrt(x); }
-INLINE f32 root(f32 x) { return sqrtf(x); }
-
 struct ListKeys {
     // Two numbers of each couple.
     const u32 *couples;
@@ -76,7 +73,7 @@ template <typename T> INLINE T distance(const T *x, const T *y, u32 dimensions) 
         const T difference = x[axis] - y[axis];
         sum = sum + difference * difference;
     }
-    return root(sum);
+    return square_root(sum);
 }
 
 // The neighbour of each entry and its distance.

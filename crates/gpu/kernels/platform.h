@@ -30,6 +30,7 @@ INLINE u64 bits_of(double x) { return (u64)__double_as_longlong(x); }
 INLINE double of_bits(u64 bits) { return __longlong_as_double((i64)bits); }
 INLINE u64 high_product(u64 a, u64 b) { return __umul64hi(a, b); }
 INLINE double square_root(double x) { return __dsqrt_rn(x); }
+INLINE f32 square_root(f32 x) { return __fsqrt_rn(x); }
 INLINE void set_flag(u32 *flag) { atomicOr(flag, 1u); }
 
 #else
@@ -81,6 +82,7 @@ INLINE u64 high_product(u64 a, u64 b) {
     return (a >> 32) * (b >> 32) + (one >> 32) + (two >> 32) + (middle >> 32);
 }
 INLINE double square_root(double x) { return sqrt(x); }
+INLINE f32 square_root(f32 x) { return sqrtf(x); }
 INLINE void set_flag(u32 *flag) { *flag |= 1u; }
 
 #endif

@@ -37,7 +37,7 @@ pub fn devices() -> Result<Vec<DeviceInfo>, GpuError> {
 /// The device with a number. Each is opened once in a process: its kernels take seconds to compile.
 ///
 /// # Errors
-/// Those of [`Cuda::new`].
+/// The errors of [`Cuda::new`].
 pub fn opened(number: usize) -> Result<Arc<Cuda>, GpuError> {
     static DEVICES: Mutex<Vec<Arc<Cuda>>> = Mutex::new(Vec::new());
     let mut devices = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);

@@ -15,7 +15,7 @@ use crate::sorted::{SortedRows, cells_of};
 /// [`Index::couples_with`](fdem_contact::Index::couples_with), in its order, which [`CrossInput`] defines.
 ///
 /// # Cost
-/// As [`DeviceRows`](crate::DeviceRows), for each of the two sets. If sizes say little about density, the
+/// The cost of [`DeviceRows`](crate::DeviceRows), for each of the two sets. If sizes say little about density, the
 /// elements of the index are sorted up to six times.
 ///
 /// # Example
@@ -29,9 +29,6 @@ pub struct DeviceIndex<'d, D: Device, T, const N: usize> {
     state: IndexState<T, N>,
     fixed: SortedRows<D::Memory, T, N>,
     moving: SortedRows<D::Memory, T, N>,
-    /// Which groups see each other, and words of a row.
-    matrix: Array<D::Memory, u32>,
-    words: u64,
     couples: Array<D::Memory, [u32; 2]>,
 }
 
@@ -50,8 +47,6 @@ impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceIndex<'d, D, T, N> {
             state: IndexState::NotBuilt,
             fixed: SortedRows::new(),
             moving: SortedRows::new(),
-            matrix: Array::new(),
-            words: 0,
             couples: Array::new(),
         }
     }
@@ -80,12 +75,8 @@ impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceIndex<'d, D, T, N> {
             Ok::<_, Error>(fixed.load(device, &cells)?)
         })?;
         let input = input.ok_or(GpuError::Unsupported { what: "boxes" })?;
-        self.words = 0;
         if let Some(filter) = elements.filter() {
-            let numbers = filter.numbers();
-            self.fixed.label(device, &numbers)?;
-            self.matrix.write(device, numbers.matrix)?;
-            self.words = numbers.words as u64;
+            self.fixed.filter(device, &filter.numbers())?;
         }
         self.state = IndexState::Built(input);
         Ok(())
@@ -115,7 +106,7 @@ impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceIndex<'d, D, T, N> {
     /// The number of couples of [`Self::couples_with`].
     ///
     /// # Errors
-    /// As [`Self::couples_with`].
+    /// The errors of [`Self::couples_with`].
     pub fn count_with(&mut self, elements: &Elements<'_, T, N>) -> Result<u64, Error> {
         let Some(input) = self.input(elements)? else { return Ok(0) };
         Ok(self.counted(&input)?.1)
@@ -147,11 +138,12 @@ impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceIndex<'d, D, T, N> {
             [None, None] => {}
         }
         let counts = self.moving.counts(device);
+        let (matrix, words) = self.fixed.groups;
         let pairs = PairArguments {
             own,
             other,
-            matrix: if self.words == 0 { 0 } else { self.matrix.address(device) },
-            words: self.words,
+            matrix,
+            words,
             counts,
             before: 0,
             couples: 0,

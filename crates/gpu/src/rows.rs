@@ -38,8 +38,6 @@ pub struct DeviceRows<'d, D: Device, T, const N: usize> {
     device: &'d D,
     elements: SortedRows<D::Memory, T, N>,
     neighbours: Array<D::Memory, u32>,
-    /// Which groups see each other.
-    matrix: Array<D::Memory, u32>,
     couples: Array<D::Memory, [u32; 2]>,
     /// Rows of neighbours, their entries and distances.
     row_starts: Array<D::Memory, u64>,
@@ -57,7 +55,6 @@ impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceRows<'d, D, T, N> {
             device,
             elements: SortedRows::new(),
             neighbours: Array::new(),
-            matrix: Array::new(),
             couples: Array::new(),
             row_starts: Array::new(),
             entries: Array::new(),
@@ -93,14 +90,10 @@ impl<'d, D: Device, T: Real + Pod, const N: usize> DeviceRows<'d, D, T, N> {
     ) -> Result<(OneSetArguments, u64), GpuError> {
         self.elements.build(self.device, places, &input.cells)?;
         let (device, n) = (self.device, places.count);
-        let (mut matrix, mut words) = (0, 0);
         if let Some(filter) = input.filter {
-            let numbers = filter.numbers();
-            self.elements.label(device, &numbers)?;
-            if !numbers.matrix.is_empty() {
-                (matrix, words) = (self.matrix.write(device, numbers.matrix)?, numbers.words as u64);
-            }
+            self.elements.filter(device, &filter.numbers())?;
         }
+        let (matrix, words) = self.elements.groups;
         let mask = if N == 2 { 1 } else { 4 };
         let row_count = self.elements.row_count;
         let all = row_count * mask as usize;

@@ -25,6 +25,7 @@ pub(crate) struct SortedRows<M, T, const N: usize> {
     coordinates: Array<M, T>,
     radii: Array<M, T>,
     labels: [Array<M, u32>; 3],
+    matrix: Array<M, u32>,
     /// Where rows begin, and later how many partners each element has.
     counts: Array<M, u32>,
     cell_heads: Array<M, u32>,
@@ -33,6 +34,8 @@ pub(crate) struct SortedRows<M, T, const N: usize> {
     starts: Array<M, u32>,
     rows: Array<M, u64>,
     set: SetArguments,
+    /// Matrix of the groups that see each other, and words of its rows; 0 without one.
+    pub(crate) groups: (Address, u64),
     pub(crate) row_count: usize,
 }
 
@@ -58,6 +61,7 @@ impl<M, T: Real + Pod, const N: usize> SortedRows<M, T, N> {
             coordinates: Array::new(),
             radii: Array::new(),
             labels: [const { Array::new() }; 3],
+            matrix: Array::new(),
             counts: Array::new(),
             cell_heads: Array::new(),
             sums: Sums::new(),
@@ -65,6 +69,7 @@ impl<M, T: Real + Pod, const N: usize> SortedRows<M, T, N> {
             starts: Array::new(),
             rows: Array::new(),
             set,
+            groups: (0, 0),
             row_count: 0,
         }
     }
@@ -87,7 +92,7 @@ impl<M, T: Real + Pod, const N: usize> SortedRows<M, T, N> {
         self.set
     }
 
-    /// How many partners each element has, once they are counted.
+    /// The number of partners of each element, once they are counted.
     pub(crate) fn counts(&self, device: &impl Device<Memory = M>) -> Address {
         self.counts.address(device)
     }
@@ -111,6 +116,7 @@ impl<M, T: Real + Pod, const N: usize> SortedRows<M, T, N> {
         let coordinates = self.coordinates.resize(device, N * n)?;
         let sorted_radii = if places.radii == 0 { 0 } else { self.radii.resize(device, n)? };
         self.set = SetArguments { coordinates, radii: sorted_radii, ids, labels: [0; 3], count };
+        self.groups = (0, 0);
         let heads = self.counts.resize(device, n)?;
         let arguments = GatherArguments {
             points: places.points,
@@ -185,6 +191,19 @@ impl<M, T: Real + Pod, const N: usize> SortedRows<M, T, N> {
                 &GatherWordArguments { words, ids, sorted, count: n as u64 },
             )?;
             self.set.labels[kind] = sorted;
+        }
+        Ok(())
+    }
+
+    /// The same, with the matrix of groups.
+    pub(crate) fn filter(
+        &mut self,
+        device: &impl Device<Memory = M>,
+        numbers: &FilterNumbers<'_>,
+    ) -> Result<(), GpuError> {
+        self.label(device, numbers)?;
+        if !numbers.matrix.is_empty() {
+            self.groups = (self.matrix.write(device, numbers.matrix)?, numbers.words as u64);
         }
         Ok(())
     }

@@ -18,7 +18,7 @@ impl<D: Device, T: Real + Pod, const N: usize> DeviceRows<'_, D, T, N> {
     /// Two lists of 12 bytes for each entry on the device, and the entries: 4 bytes and a distance.
     ///
     /// # Errors
-    /// As the search has them.
+    /// [`Error::Device`], as a search for couples returns it.
     pub fn find_half(&mut self, elements: &Elements<'_, T, N>) -> Result<Csr<T>, Error> {
         Ok(self.neighbours(elements, 1)?)
     }
@@ -26,7 +26,7 @@ impl<D: Device, T: Real + Pod, const N: usize> DeviceRows<'_, D, T, N> {
     /// The same with each couple in both of its rows, as [`Csr::fill_full_with`] has them.
     ///
     /// # Errors
-    /// As the search has them.
+    /// [`Error::Device`], as a search for couples returns it.
     pub fn find_full(&mut self, elements: &Elements<'_, T, N>) -> Result<Csr<T>, Error> {
         Ok(self.neighbours(elements, 2)?)
     }

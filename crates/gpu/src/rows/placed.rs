@@ -76,8 +76,8 @@ impl<D: Device, T: Real + Pod, const N: usize> DeviceRows<'_, D, T, N> {
     /// [`Rows`], in its order. Nothing is copied to the host but extremes, counts, and at most 4096 points.
     ///
     /// # Errors
-    /// Those of [`Elements`], which name the first number that is refused; and
-    /// [`Error::Device`] with the words of [`GpuError::ShortMemory`] and of those that a search has.
+    /// The errors of [`Elements`], which name the first number that is refused. [`Error::Device`] with the
+    /// words of [`GpuError::ShortMemory`], and of the errors of a search.
     pub fn find_placed(
         &mut self,
         elements: &PlacedElements<'_, D::Memory, T>,
