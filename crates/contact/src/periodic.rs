@@ -380,7 +380,7 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     /// [`Rows`](crate::Rows) it is the order of this search with [`Engine::Rows`].
     ///
     /// # Errors
-    /// As [`PeriodicSearch::for_each`], and those of `search`.
+    /// The errors of [`PeriodicSearch::for_each`] and of `search`.
     ///
     /// # Example
     /// ```
@@ -419,7 +419,8 @@ impl<T: Real, const D: usize> PeriodicSearch<T, D> {
     /// Writes the couples of [`PeriodicSearch::for_each_by`] into `couples`, which is cleared first.
     ///
     /// # Errors
-    /// As [`PeriodicSearch::for_each_by`], and [`Error::OutOfMemory`]. `couples` is empty after an error.
+    /// The errors of [`PeriodicSearch::for_each_by`], and [`Error::OutOfMemory`]. `couples` is empty after an
+    /// error.
     pub fn couples_by(
         &mut self,
         search: &mut impl Search<T, D>,

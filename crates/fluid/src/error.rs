@@ -88,7 +88,7 @@ pub enum FluidError {
         what: &'static str,
         /// Key of the one whose mass is farthest from its balance.
         key: u64,
-        /// That distance, kg.
+        /// Distance of its mass from the balance, kg.
         mass: f64,
         /// The step, s.
         step: f64,

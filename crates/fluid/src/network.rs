@@ -22,7 +22,7 @@ use crate::topology::{DRY, Topology};
 /// Largest number of parts of an explicit step.
 const MOST_PARTS: f64 = 1e6;
 
-/// How a step is taken.
+/// The time integration of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Scheme {
     /// Backward Euler: stable at any step.
@@ -33,7 +33,7 @@ pub enum Scheme {
     Explicit,
 }
 
-/// How cells are connected.
+/// The law of the flow between cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Connection {
     /// By the cubic law.
@@ -53,9 +53,9 @@ pub struct FlowModel<const D: usize> {
     pub gravity: [f64; D],
     /// Thickness of a model in the plane, m; ignored in space.
     pub thickness: f64,
-    /// How a step is taken.
+    /// The time integration of a step.
     pub scheme: Scheme,
-    /// How cells are connected.
+    /// The law of the flow between cells.
     pub connection: Connection,
 }
 
@@ -180,7 +180,8 @@ impl<const D: usize> Network<D> {
     /// by their keys.
     ///
     /// # Errors
-    /// As for [`new`](Self::new), and cells with fluid that are missing: [`drain`](Self::drain) them before.
+    /// The errors of [`new`](Self::new), and cells with fluid that are missing: [`drain`](Self::drain) them
+    /// before.
     pub fn renew(&mut self, cells: &[Cell<D>], shapes: &[Shape<D>]) -> Result<(), FluidError> {
         let lowest = self.model.fluid.state.lowest_pressure();
         cells.iter().try_for_each(|cell| cell.check(lowest))?;

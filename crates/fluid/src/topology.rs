@@ -1,4 +1,4 @@
-//! Which cells are connected: junctions, compartments, links.
+//! The connections of cells: junctions, compartments, links.
 
 use std::ops::Range;
 

@@ -65,7 +65,7 @@ pub(super) struct IndexSizes<T> {
     pub(super) magnitude: f64,
 }
 
-/// How far elements of two sets touch.
+/// The distances at which elements of two sets touch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CrossReach<T> {
     pub(super) tolerance: T,
@@ -144,7 +144,7 @@ impl<T: Real, const D: usize> IndexInput<T, D> {
     /// elements stay as `load` has sorted them last.
     ///
     /// # Errors
-    /// Those of `load`, and [`Error::OutOfMemory`].
+    /// The errors of `load`, and [`Error::OutOfMemory`].
     pub fn new<E: From<Error>>(
         elements: &Elements<'_, T, D>,
         mut load: impl FnMut(RowCells<D>, &[[T; D]], &[T]) -> Result<f64, E>,

@@ -9,7 +9,7 @@ impl<const D: usize> Network<D> {
     /// without flow.
     ///
     /// # Errors
-    /// As for [`advance`](Self::advance).
+    /// The errors of [`advance`](Self::advance).
     pub fn explicit_bound(&self) -> Result<f64, FluidError> {
         // Weights are proportional to the step.
         let step = (1e-9 * self.state.time).max(1e-9);
