@@ -173,16 +173,15 @@ where
             numbers.work += 0.5 * numbers.pressure * numbers.swept;
             numbers.swept = 0.0;
             cavity.numbers = Some(numbers);
-            let force = |face: &Face<D>| face.area.map(|a| -(numbers.pressure / D as f64 * a));
             if cavity.gas.is_some() {
                 for face in &cavity.faces {
-                    let force = force(face);
+                    let force = face.force(numbers.pressure);
                     face.corners.into_iter().for_each(|corner| acting.add_force(corner, force));
                 }
                 continue;
             }
             let on = |face: &Face<D>| {
-                let (force, boundary) = (force(face), cavity.boundary);
+                let (force, boundary) = (face.force(numbers.pressure), cavity.boundary);
                 face.corners.map(|corner| Applied { corner, boundary, force, viscous: [0.0; D] })
             };
             acting.apply(|applied| applied.extend(cavity.faces.iter().flat_map(on)));
@@ -197,7 +196,7 @@ where
             let factor = schedules[cavity.boundary as usize].factor(0.0);
             let pressure = cavity.numbers.map_or(0.0, |numbers| cavity.pressure_at(&numbers, factor));
             let forces = cavity.faces.iter().flat_map(move |face| {
-                let force = face.area.map(|a| -(pressure / D as f64 * a));
+                let force = face.force(pressure);
                 face.corners.map(|corner| (corner, force))
             });
             forces.collect::<Vec<_>>()

@@ -96,24 +96,21 @@ impl<const D: usize> FluidAction<D> {
     {
         let Some(network) = &self.network else { return Vec::new() };
         let mut forces = Vec::new();
-        let mut press = |corners: [u32; D], pressure: f64, sign: f64| {
-            if pressure == 0.0 {
-                return;
+        let mut press = |corners: [u32; D], pressure: f64| {
+            if pressure != 0.0 {
+                let force = Face::new(corners, scene.solid()).force(pressure);
+                forces.extend(corners.map(|corner| (corner, force)));
             }
-            let solid = scene.solid();
-            let area = <[[f64; D]; N]>::facet_normal(&corners.map(|corner| solid.position_at(corner)));
-            let force = area.map(|a| -sign * (pressure / D as f64 * (a * solid.thickness)));
-            forces.extend(corners.map(|corner| (corner, force)));
         };
         for (cell, pressure) in self.cells.iter().zip(network.pressures()) {
             // Both sides list their corners as they go around side 0.
             let [first, second] = scene.topology.facets[cell.facet as usize].corners;
-            press(first, pressure, 1.0);
-            press(second, pressure, -1.0);
+            press(first, pressure);
+            press(second, -pressure);
         }
         for (key, place) in (0..).zip(&self.places).filter(|(_, place)| !place.walls.is_empty()) {
             let pressure = network.injection(key).map_or(0.0, |state| state.pressure);
-            place.walls.iter().for_each(|corners| press(*corners, pressure, 1.0));
+            place.walls.iter().for_each(|corners| press(*corners, pressure));
         }
         forces
     }
@@ -129,7 +126,7 @@ impl<const D: usize> FluidAction<D> {
     {
         let Some(network) = &mut self.network else { return Ok(()) };
         for (key, place) in (0..).zip(&mut self.places).filter(|(_, place)| !place.walls.is_empty()) {
-            place.volume = volume_of(&place.walls, scene);
+            place.volume = volumes_of(&place.walls, scene).into_iter().sum();
             network.set_source_volume(key, place.volume)?;
         }
         let cells = wet_joints(options, scene);
@@ -184,7 +181,7 @@ impl<const D: usize> FluidAction<D> {
             place.volume = match saved.sources.get(&of.name) {
                 Some(source) => source.volume(),
                 None if place.walls.is_empty() => 0.0,
-                None => volume_of(&place.walls, scene),
+                None => volumes_of(&place.walls, scene).into_iter().sum(),
             };
             sources.push(Source {
                 key,
@@ -252,14 +249,13 @@ where
     topology.facets[cell.facet as usize].corners[0].map(|corner| topology.vertices[corner as usize])
 }
 
-/// Volume of a hole now, m³.
-fn volume_of<const D: usize, const N: usize>(walls: &[[u32; D]], scene: &Scene<'_, D, N>) -> f64
+/// Volume of an undeformed hole, and its increase, m³.
+fn volumes_of<const D: usize, const N: usize>(walls: &[[u32; D]], scene: &Scene<'_, D, N>) -> [f64; 2]
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
     let faces: Vec<Face<D>> = walls.iter().map(|corners| Face::new(*corners, scene.solid())).collect();
-    let [hole, increase] = volumes(&faces, scene);
-    hole + increase
+    volumes(&faces, scene)
 }
 
 /// The places of the sources of a model.
@@ -297,8 +293,7 @@ where
                 Err(error) => return Err(error),
             }
         }
-        let faces: Vec<Face<D>> = walls.iter().map(|corners| Face::new(*corners, scene.solid())).collect();
-        let [value, _] = volumes(&faces, scene);
+        let [value, _] = volumes_of(&walls, scene);
         if !walls.is_empty() && value <= 0.0 {
             let place = format!("source of fluid '{}'", source.name);
             let range = "above 0: the facets of its hole enclose it";

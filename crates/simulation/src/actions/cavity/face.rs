@@ -49,6 +49,11 @@ impl<const D: usize> Face<D> {
         let area = <[[f64; D]; N]>::facet_normal(&places).map(|n| n * solid.thickness);
         Self { corners, area, middle }
     }
+
+    /// Force of a pressure on each of the corners, N, against the outward normal.
+    pub(crate) fn force(&self, pressure: f64) -> Point<D> {
+        self.area.map(|a| -(pressure / D as f64 * a))
+    }
 }
 
 /// Adds the sides of a joint that belong to elements here. Returns the volume by which it is open, m³, as
