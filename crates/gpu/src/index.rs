@@ -15,8 +15,8 @@ use crate::sorted::{SortedRows, cells_of};
 /// [`Index::couples_with`](fdem_contact::Index::couples_with), in its order, which [`CrossInput`] defines.
 ///
 /// # Cost
-/// The cost of [`DeviceRows`](crate::DeviceRows), for each of the two sets. If sizes say little about density, the
-/// elements of the index are sorted up to six times.
+/// The cost of [`DeviceRows`](crate::DeviceRows), for each of the two sets. If sizes say little about
+/// density, the elements of the index are sorted up to six times.
 ///
 /// # Example
 /// ```text
