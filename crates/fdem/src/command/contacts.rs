@@ -16,11 +16,11 @@ use crate::command::progress::Progress;
 use crate::command::series;
 
 pub(crate) fn run(arguments: &ContactsArguments) -> Result<(), Failure> {
+    device::refuse(arguments)?;
     if arguments.labels.labels {
         return labels::run(arguments);
     }
     refuse_types(arguments)?;
-    device::refuse(arguments)?;
     let inputs = || std::iter::once(&arguments.input.file).chain(&arguments.more);
     if inputs().filter(|file| is_stdout(file)).count() > 1 {
         return Err(Failure::Unusable("standard input can only be read once".to_owned()));

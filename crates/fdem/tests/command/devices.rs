@@ -66,6 +66,7 @@ fn options_that_do_not_go_with_a_device_are_refused() {
     };
     refused(&["--device", "tpu"], "give cpu, gpu, or gpu:N");
     refused(&["--device", "gpu:"], "give cpu, gpu, or gpu:N");
+    refused(&["--device", "gpu", "--labels"], "--device gpu does not go with --labels");
     refused(&["--device", "gpu", "--explain"], "--device gpu does not go with --explain");
     refused(&["--device", "gpu", "--engine", "nbs"], "--device gpu has the engine rows only");
     refused(&["--device", "gpu", "packing.csv"], "--device gpu does not go with more than one file");
