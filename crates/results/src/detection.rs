@@ -14,7 +14,7 @@ use fdem_contact::{
     Couple, Detector, Elements, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Plan, Search,
 };
 
-pub use crate::detection::device::DeviceSearch;
+pub use crate::detection::device::{DeviceSearch, SearchOfDevice};
 pub use crate::detection::request::DetectionRequest;
 use crate::network::{Couples, Sizes, Space, unshifted};
 
@@ -382,47 +382,11 @@ mod tests {
     #[derive(Debug)]
     struct OtherRows;
 
-    impl OtherRows {
-        fn open<const D: usize>(elements: &Elements<'_, f64, D>) -> Result<Vec<Couple>, Error> {
-            let mut couples = Vec::new();
-            Rows::new().couples(elements, &mut couples).map(|()| couples)
-        }
+    impl SearchOfDevice for OtherRows {
+        type In<'d, const D: usize> = Rows<f64, D>;
 
-        fn in_box<const D: usize>(
-            elements: &Elements<'_, f64, D>,
-            cell: &PeriodicBox<f64, D>,
-            mut images: PeriodicSearch<f64, D>,
-        ) -> Result<Vec<PeriodicCouple<D>>, Error> {
-            let mut couples = Vec::new();
-            images.couples_by(&mut Rows::new(), elements, cell, &mut couples).map(|()| couples)
-        }
-    }
-
-    impl DeviceSearch for OtherRows {
-        fn plane(&self, elements: &Elements<'_, f64, 2>) -> Result<Vec<Couple>, Error> {
-            Self::open(elements)
-        }
-
-        fn space(&self, elements: &Elements<'_, f64, 3>) -> Result<Vec<Couple>, Error> {
-            Self::open(elements)
-        }
-
-        fn plane_in_box(
-            &self,
-            elements: &Elements<'_, f64, 2>,
-            cell: &PeriodicBox<f64, 2>,
-            images: PeriodicSearch<f64, 2>,
-        ) -> Result<Vec<PeriodicCouple<2>>, Error> {
-            Self::in_box(elements, cell, images)
-        }
-
-        fn space_in_box(
-            &self,
-            elements: &Elements<'_, f64, 3>,
-            cell: &PeriodicBox<f64, 3>,
-            images: PeriodicSearch<f64, 3>,
-        ) -> Result<Vec<PeriodicCouple<3>>, Error> {
-            Self::in_box(elements, cell, images)
+        fn search<const D: usize>(&self) -> Rows<f64, D> {
+            Rows::new()
         }
     }
 

@@ -11,12 +11,16 @@ use crate::command::output::print;
 /// The device of a search for contacts; `None` for the processor.
 pub(crate) fn of(arguments: &ContactsArguments) -> Result<Option<Box<dyn DeviceSearch>>, Failure> {
     let DeviceName::Gpu(number) = arguments.device else { return Ok(None) };
-    opened(number).map(Some).map_err(|reason| Failure::Unusable(format!("--device gpu: {reason}")))
+    opened(number).map(Some).map_err(|reason| unusable(&reason))
 }
 
 /// Refuses a device that is not there.
 pub(crate) fn check(number: usize) -> Result<(), Failure> {
-    opened(number).map(drop).map_err(|reason| Failure::Unusable(format!("--device gpu: {reason}")))
+    opened(number).map(drop).map_err(|reason| unusable(&reason))
+}
+
+fn unusable(reason: &str) -> Failure {
+    Failure::Unusable(format!("--device gpu: {reason}"))
 }
 
 /// Refuses options that do not go with a device, and a device that is not there.
@@ -37,7 +41,7 @@ pub(crate) fn refuse(arguments: &ContactsArguments) -> Result<(), Failure> {
     if !matches!(arguments.engine.engine(), None | Some(fdem_contact::Engine::Rows)) {
         return Err(Failure::Unusable("--device gpu has the engine rows only".to_owned()));
     }
-    of(arguments).map(|_| ())
+    of(arguments).map(drop)
 }
 
 /// `fdem devices`.
@@ -84,57 +88,18 @@ use without::{graphics_processors, opened};
 mod with {
     use std::sync::Arc;
 
-    use fdem_contact::{Couple, Elements, Error, PeriodicBox, PeriodicCouple, PeriodicSearch, Search};
     use fdem_gpu::{Cuda, DeviceRows, DeviceSolid, devices};
-    use fdem_results::detection::DeviceSearch;
+    use fdem_results::detection::{DeviceSearch, SearchOfDevice};
     use fdem_simulation::Accelerator;
 
     #[derive(Debug)]
     struct Opened(Arc<Cuda>);
 
-    impl Opened {
-        fn open<const D: usize>(&self, elements: &Elements<'_, f64, D>) -> Result<Vec<Couple>, Error> {
-            let mut couples = Vec::new();
-            DeviceRows::new(&*self.0).couples(elements, &mut couples).map(|()| couples)
-        }
+    impl SearchOfDevice for Opened {
+        type In<'d, const D: usize> = DeviceRows<'d, Cuda, f64, D>;
 
-        fn in_box<const D: usize>(
-            &self,
-            elements: &Elements<'_, f64, D>,
-            cell: &PeriodicBox<f64, D>,
-            mut images: PeriodicSearch<f64, D>,
-        ) -> Result<Vec<PeriodicCouple<D>>, Error> {
-            let mut couples = Vec::new();
-            let mut search = DeviceRows::new(&*self.0);
-            images.couples_by(&mut search, elements, cell, &mut couples).map(|()| couples)
-        }
-    }
-
-    impl DeviceSearch for Opened {
-        fn plane(&self, elements: &Elements<'_, f64, 2>) -> Result<Vec<Couple>, Error> {
-            self.open(elements)
-        }
-
-        fn space(&self, elements: &Elements<'_, f64, 3>) -> Result<Vec<Couple>, Error> {
-            self.open(elements)
-        }
-
-        fn plane_in_box(
-            &self,
-            elements: &Elements<'_, f64, 2>,
-            cell: &PeriodicBox<f64, 2>,
-            images: PeriodicSearch<f64, 2>,
-        ) -> Result<Vec<PeriodicCouple<2>>, Error> {
-            self.in_box(elements, cell, images)
-        }
-
-        fn space_in_box(
-            &self,
-            elements: &Elements<'_, f64, 3>,
-            cell: &PeriodicBox<f64, 3>,
-            images: PeriodicSearch<f64, 3>,
-        ) -> Result<Vec<PeriodicCouple<3>>, Error> {
-            self.in_box(elements, cell, images)
+        fn search<const D: usize>(&self) -> DeviceRows<'_, Cuda, f64, D> {
+            DeviceRows::new(&self.0)
         }
     }
 
