@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use crate::fluid::list::FLUID;
 use crate::grains::list::GRAINS;
 use crate::outcome::Case;
 use crate::{
@@ -487,6 +488,6 @@ const BODIES: &[Case] = &[
 
 /// All cases, in the order of the ladder.
 pub fn cases() -> &'static [Case] {
-    static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| [BODIES, GRAINS].concat());
+    static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| [BODIES, GRAINS, FLUID].concat());
     &CASES
 }

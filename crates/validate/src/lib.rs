@@ -9,6 +9,7 @@
 //! |---|---|
 //! | a case, its bound | `src/cases.rs`, which lists the cases, and the file of the case beside it; in three dimensions in `src/space` |
 //! | a case of spheres and walls | `src/grains/list.rs`, which lists them, and the files beside it |
+//! | a case of fluid in cracks | `src/fluid/list.rs`, which lists them, and the files beside it |
 //! | published data that cases read | `src/grains/data.rs` |
 //! | models that several cases share | `src/models.rs`, `src/rocks.rs` |
 //! | the definition of a case, and its verdict | `src/outcome.rs` |
@@ -28,6 +29,7 @@ mod compression;
 mod debris;
 mod disc;
 mod excavation;
+mod fluid;
 mod free_crack;
 mod free_shear;
 mod grains;

@@ -255,6 +255,6 @@ pub(super) fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || a.abs() >= b.abs() { a } else { b }
 }
 
-fn text(error: impl Display) -> String {
+pub(super) fn text(error: impl Display) -> String {
     error.to_string()
 }

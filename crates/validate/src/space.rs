@@ -1,7 +1,7 @@
 //! Cases of bodies of tetrahedra.
 
 pub(super) mod bars;
-pub(super) mod bodies;
+pub(crate) mod bodies;
 pub(super) mod brazilian;
 pub(super) mod cantilever;
 pub(super) mod cavity;

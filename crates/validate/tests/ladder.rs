@@ -5,9 +5,15 @@ use fdem_validate::{Case, CaseReport, Outcome, Size, cases, html, table};
 
 #[test]
 fn some_fast_cases_pass() {
-    for name in
-        ["waves in bars", "rotation", "uniaxial tension", "grains: oblique impact", "grains: adhesion"]
-    {
+    for name in [
+        "waves in bars",
+        "rotation",
+        "uniaxial tension",
+        "grains: oblique impact",
+        "grains: adhesion",
+        "fluid: steady flow",
+        "fluid: invariants",
+    ] {
         let case = cases().iter().find(|case| case.name == name).expect("a case of this name");
         let report = case.report(Size::Reduced);
         assert!(report.passed(), "\n{}", table(&[report]));

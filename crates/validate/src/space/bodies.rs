@@ -11,7 +11,7 @@ use crate::models::worse;
 pub(crate) type Body = Mesh<3, 4>;
 
 /// A run of tetrahedra.
-pub(super) type Run = Simulation<3, 4>;
+pub(crate) type Run = Simulation<3, 4>;
 
 /// A point or a vector.
 pub(crate) type Point = [f64; 3];
@@ -32,7 +32,7 @@ pub(crate) fn cuboid(min: Point, max: Point, cells: [usize; 3]) -> Body {
 }
 
 /// A box of cells between these coordinates, ascending along each axis.
-pub(super) fn lattice(places: &[Vec<f64>; 3]) -> Body {
+pub(crate) fn lattice(places: &[Vec<f64>; 3]) -> Body {
     let [nx, ny, nz] = places.each_ref().map(|places| places.len() - 1);
     let number = |i: usize, j: usize, k: usize| ((k * (ny + 1) + j) * (nx + 1) + i) as u32;
     let mut nodes = Vec::new();
@@ -119,7 +119,7 @@ pub(super) fn centroid(mesh: &Body, element: usize) -> Point {
 }
 
 /// Faces of elements, all of whose nodes are where `at` holds.
-pub(super) fn faces_where(mesh: &Body, at: impl Fn(Point) -> bool) -> Vec<[u32; 3]> {
+pub(crate) fn faces_where(mesh: &Body, at: impl Fn(Point) -> bool) -> Vec<[u32; 3]> {
     let all = mesh.elements.iter().flat_map(|nodes| FACES.map(|face| face.map(|corner| nodes[corner])));
     all.filter(|face| face.iter().all(|&node| at(mesh.nodes[node as usize]))).collect()
 }
@@ -206,7 +206,7 @@ pub(super) fn loaded(name: &str, faces: Vec<[u32; 3]>, load: Load<3>, schedule: 
 }
 
 /// A run on one thread, at its beginning.
-pub(super) fn start(model: Model<3, 4>) -> Result<Run, String> {
+pub(crate) fn start(model: Model<3, 4>) -> Result<Run, String> {
     Simulation::new(model, 1).map_err(|error| error.to_string())
 }
 
@@ -216,7 +216,7 @@ pub(super) fn advance(run: &mut Run, steps: u64) -> Result<(), String> {
 }
 
 /// Advances a run to a time, s.
-pub(super) fn advance_to(run: &mut Run, time: f64) -> Result<(), String> {
+pub(crate) fn advance_to(run: &mut Run, time: f64) -> Result<(), String> {
     let steps = ((time - run.time()) / run.time_step()).ceil().max(0.0) as u64;
     advance(run, steps)
 }
