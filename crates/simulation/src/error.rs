@@ -24,8 +24,6 @@ pub enum ModelError {
         /// The reason.
         FluidError,
     ),
-    /// Fluid is not divided among ranks.
-    FluidOnRanks,
     /// A list does not have an entry for each node or element.
     Length {
         /// The list.
@@ -189,7 +187,6 @@ impl fmt::Display for ModelError {
                 out.write_str("spheres without bodies are not divided among ranks: run them on threads")
             }
             Self::Fluid(error) => write!(out, "fluid: {error}"),
-            Self::FluidOnRanks => out.write_str("fluid is not divided among ranks: run it on threads"),
             Self::Length { what, found, expected } => write!(out, "{found} {what} for {expected}"),
             Self::UntilOverloaded { body, why } => {
                 write!(out, "body {body} cannot be rigid until it is overloaded: {why}")

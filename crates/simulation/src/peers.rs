@@ -5,6 +5,8 @@
 
 use std::time::Duration;
 
+use fdem_distributed::wire::{Wire, bytes_of, value_of};
+
 use crate::error::Stop;
 use crate::faces::BrokenSides;
 use crate::joints::VertexSplit;
@@ -90,6 +92,17 @@ where
     /// The element with the largest value of all ranks, and of equal ones the first. `own`: value and number
     /// of that of this rank.
     fn first_of_largest(&self, own: Option<(f64, u32)>) -> Option<(f64, u32)>;
+}
+
+/// The values of all ranks, in the order of the ranks.
+pub(crate) fn all<T: Wire, const D: usize, const N: usize>(peers: &dyn Peers<D, N>, own: T) -> Vec<T>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    if peers.are_none() {
+        return vec![own];
+    }
+    peers.all_bytes(&bytes_of(&own)).iter().map(|bytes| value_of(bytes)).collect()
 }
 
 /// Of two elements with a value each, that with the larger one, and of equal ones the first.

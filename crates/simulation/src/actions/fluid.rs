@@ -30,53 +30,53 @@
 //!
 //! A hole is as stiff as its fluid, without such a spring: `4 K Δt²/(R ρ h)` of a round one with the radius
 //! `R` among elements of the size `h` has to be below 1.
+//!
+//! # Ranks
+//!
+//! All ranks have all cells, and compute the same network. Each step of the fluid they exchange the motion of
+//! the sides of cells, from the ranks that count their elements, and the volumes of holes. A rank adds the
+//! forces on the sides that it has.
 
 mod cells;
+mod places;
 mod saved;
 
-use std::collections::BTreeSet;
-
-use fdem_fluid::{Cell, FlowModel, FluidError, Network, Shape, Source};
+use fdem_fluid::{Cell, FlowModel, FluidError, Network, NetworkState, Shape, Source};
 
 use crate::action::{Acting, Action, Applied, Record, Scene, on_corners};
-use crate::actions::cavity::face::{Face, Rim, rims, volumes};
-use crate::actions::fluid::cells::{FluidCell, law_of, shape_of, soften, wet_joints};
+use crate::actions::cavity::face::Face;
+use crate::actions::fluid::cells::{FluidCell, Located, motion_of, new_cells, sides_of, soften, yields};
+use crate::actions::fluid::places::{SourcePlace, places_of};
 use crate::actions::fluid::saved::{SavedCell, SavedFluid, SavedSource, SavedTotals};
 use crate::error::{ModelError, Stop};
-use crate::model::{FluidOptions, Model, Schedule};
-use crate::outer_side::outer_side;
+use crate::model::{FluidOptions, Schedule};
+use crate::peers::{Alone, Peers, all};
 use crate::simplex::Simplex;
+use crate::sum::Sum;
 use crate::topology::{NONE, Topology};
 use crate::vector::Point;
+
+pub(crate) use crate::actions::fluid::saved::SharedFluid;
 
 /// The fluid of a model.
 #[derive(Debug, Default)]
 pub(crate) struct FluidAction<const D: usize> {
     network: Option<Network<D>>,
     /// In the order of their keys.
-    cells: Vec<FluidCell>,
+    cells: Vec<FluidCell<D>>,
+    /// Cells that are not in the network yet.
+    waiting: Vec<FluidCell<D>>,
     /// The last shapes of the cells.
     shapes: Vec<Shape<D>>,
     /// In the order of the model.
     places: Vec<SourcePlace<D>>,
-    /// Numbers of joints that are wet and of nodes at which the cells are those of the network.
-    known: Option<[usize; 2]>,
+    /// Where the cells are among the elements here; `None` after these have changed.
+    located: Option<Vec<Located<D>>>,
+    /// Number of nodes here for which the softness of cells holds.
+    known: Option<usize>,
     /// Steps until the next one of the fluid.
     left: u32,
     saved: SavedFluid<D>,
-}
-
-/// The place of a source.
-#[derive(Debug)]
-struct SourcePlace<const D: usize> {
-    /// The wall of its hole, by corners; empty for joints.
-    walls: Vec<[u32; D]>,
-    /// Rims of the wall: cells that have one of them are connected with the hole.
-    rims: BTreeSet<Rim>,
-    /// Facets with joints, by ascending vertices.
-    joints: BTreeSet<[u32; D]>,
-    /// Volume of the hole, m³.
-    volume: f64,
 }
 
 impl<const D: usize> FluidAction<D> {
@@ -84,17 +84,86 @@ impl<const D: usize> FluidAction<D> {
         self.network.as_ref()
     }
 
-    /// The two elements beside each cell.
-    pub(crate) fn elements<const N: usize>(&self, topology: &Topology<D, N>) -> Vec<[u32; 2]> {
-        self.cells.iter().map(|cell| topology.facets[cell.facet as usize].elements()).collect()
+    /// The two elements beside each cell, in the whole mesh.
+    pub(crate) fn elements<const N: usize>(&self) -> Vec<[u32; 2]> {
+        self.cells.iter().map(|cell| cell.sides.map(|code| code / N as u32)).collect()
     }
 
-    /// Forces of the pressures on corners, N.
+    /// Notes the cells that the joints here make, before the elements here change.
+    pub(crate) fn note<const N: usize>(&mut self, scene: &Scene<'_, D, N>)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        if let (Some(_), Some(options)) = (&self.network, &scene.model.fluid) {
+            self.waiting.extend(new_cells(&self.cells, options, scene));
+        }
+    }
+
+    /// The same fluid among other elements.
+    pub(crate) fn among_others(self) -> Self {
+        Self { located: None, known: None, ..self }
+    }
+
+    /// The fluid of a whole run, as all ranks have it.
+    pub(crate) fn shared(&self) -> Option<SharedFluid<D>> {
+        let network = self.network.as_ref()?;
+        let places = self.places.iter().map(SourcePlace::shared).collect();
+        Some(SharedFluid::new(self.cells.clone(), &self.shapes, places, self.left, network.state()))
+    }
+
+    /// The fluid of a rank. `thickness`: of the model, m.
+    ///
+    /// # Errors
+    /// Those of the network.
+    pub(crate) fn of_rank(
+        shared: SharedFluid<D>,
+        options: &FluidOptions<D>,
+        thickness: f64,
+    ) -> Result<Self, ModelError> {
+        let shapes = shared.shapes();
+        let (state, cells, left) = (shared.state(), shared.cells, shared.left);
+        let places = shared.places.into_iter().map(SourcePlace::of_shared).collect();
+        let mut this = Self { cells, shapes, places, left, ..Self::default() };
+        this.network = Some(this.restored(options, thickness, &state)?);
+        Ok(this)
+    }
+
+    /// A network of the cells with a state.
+    fn restored(
+        &self,
+        options: &FluidOptions<D>,
+        thickness: f64,
+        state: &NetworkState,
+    ) -> Result<Network<D>, FluidError> {
+        let mut network = self.fresh(options, thickness)?;
+        network.restore(state)?;
+        Ok(network)
+    }
+
+    /// A network of the cells at its beginning.
+    fn fresh(&self, options: &FluidOptions<D>, thickness: f64) -> Result<Network<D>, FluidError> {
+        let source = |((key, place), of): ((u64, &SourcePlace<D>), &crate::model::FluidSource<D>)| Source {
+            key,
+            cells: place.keys(&self.cells),
+            volume: place.volume,
+            drive: of.drive.clone(),
+            initial_pressure: of.initial_pressure,
+        };
+        let sources = (0..).zip(&self.places).zip(&options.sources).map(source).collect();
+        Network::new(
+            FlowModel { thickness, ..options.flow },
+            sources,
+            &fluid_cells(&self.cells, options),
+            &self.shapes,
+        )
+    }
+
+    /// Forces of the pressures on corners here, N.
     fn forces<const N: usize>(&self, scene: &Scene<'_, D, N>) -> Vec<(u32, Point<D>)>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let Some(network) = &self.network else { return Vec::new() };
+        let (Some(network), Some(located)) = (&self.network, &self.located) else { return Vec::new() };
         let mut forces = Vec::new();
         let mut press = |corners: [u32; D], pressure: f64| {
             if pressure != 0.0 {
@@ -102,17 +171,28 @@ impl<const D: usize> FluidAction<D> {
                 forces.extend(corners.map(|corner| (corner, force)));
             }
         };
-        for (cell, pressure) in self.cells.iter().zip(network.pressures()) {
+        for (sides, pressure) in located.iter().zip(network.pressures()) {
             // Both sides list their corners as they go around side 0.
-            let [first, second] = scene.topology.facets[cell.facet as usize].corners;
-            press(first, pressure);
-            press(second, -pressure);
+            for (corners, sign) in sides.iter().zip([1.0, -1.0]) {
+                corners.iter().for_each(|corners| press(*corners, sign * pressure));
+            }
         }
-        for (key, place) in (0..).zip(&self.places).filter(|(_, place)| !place.walls.is_empty()) {
+        for (key, place) in (0..).zip(&self.places).filter(|(_, place)| place.is_hole()) {
             let pressure = network.injection(key).map_or(0.0, |state| state.pressure);
-            place.walls.iter().for_each(|corners| press(*corners, pressure));
+            place.here.iter().for_each(|corners| press(*corners, pressure));
         }
         forces
+    }
+
+    /// Finds the cells and the walls of holes among the elements here.
+    fn locate<const N: usize>(&mut self, topology: &Topology<D, N>)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        if self.located.is_none() {
+            self.located = Some(self.cells.iter().map(|cell| cell.located(topology)).collect());
+            self.places.iter_mut().for_each(|place| place.locate(topology));
+        }
     }
 
     /// Takes a step of the fluid.
@@ -120,40 +200,82 @@ impl<const D: usize> FluidAction<D> {
         &mut self,
         options: &FluidOptions<D>,
         scene: &Scene<'_, D, N>,
+        peers: &dyn Peers<D, N>,
     ) -> Result<(), FluidError>
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
+        let lowest = options.flow.fluid.state.lowest_pressure();
+        let is_renewed = self.renew(options, scene, peers);
+        self.measure_holes(scene, peers);
         let Some(network) = &mut self.network else { return Ok(()) };
-        for (key, place) in (0..).zip(&mut self.places).filter(|(_, place)| !place.walls.is_empty()) {
-            place.volume = volumes_of(&place.walls, scene).into_iter().sum();
+        for (key, place) in (0..).zip(&self.places).filter(|(_, place)| place.is_hole()) {
             network.set_source_volume(key, place.volume)?;
         }
-        let cells = wet_joints(options, scene);
-        let known = Some([cells.len(), scene.solid().node_count()]);
-        let is_new = self.known != known;
-        let lowest = options.flow.fluid.state.lowest_pressure();
+        let located = self.located.as_deref().unwrap_or_default();
+        let sides = sides_of(self.cells.len(), all(peers, motion_of(located, scene)));
         let pressures = network.pressures();
-        if is_new {
-            let before = std::mem::replace(&mut self.cells, cells);
-            soften(&mut self.cells, options, self.places.iter().flat_map(|place| &place.walls), scene);
-            let above = |cell: &FluidCell| {
-                let place = before.binary_search_by_key(&cell.key, |of| of.key);
-                place.map_or(0.0, |place| pressures[place] - lowest)
-            };
-            self.shapes = self.cells.iter().map(|cell| shape_of(cell, above(cell), options, scene)).collect();
+        let before = &network.state().cells;
+        let above = |cell: &FluidCell<D>| {
+            before.binary_search(&cell.key()).map_or(0.0, |place| pressures[place] - lowest)
+        };
+        let shape = |(cell, sides): (&FluidCell<D>, &[_; 2])| {
+            cell.shape::<N>(sides, above(cell), options, scene.step)
+        };
+        self.shapes = self.cells.iter().zip(&sides).map(shape).collect();
+        if is_renewed {
             for (key, place) in (0..).zip(&self.places) {
-                network.set_source_cells(key, place.keys(&self.cells, scene))?;
+                network.set_source_cells(key, place.keys(&self.cells))?;
             }
-            network.renew(&fluid_cells(&self.cells, options, scene), &self.shapes)?;
-            self.known = known;
+            network.renew(&fluid_cells(&self.cells, options), &self.shapes)?;
         } else {
-            let above = self.cells.iter().zip(&pressures);
-            self.shapes =
-                above.map(|(cell, pressure)| shape_of(cell, pressure - lowest, options, scene)).collect();
             network.update(&self.shapes)?;
         }
         network.advance(scene.step * f64::from(options.steps)).map(|_| ())
+    }
+
+    /// Adds new cells of all ranks, and computes the softness of all if cells or nodes are new. Returns
+    /// whether they are.
+    fn renew<const N: usize>(
+        &mut self,
+        options: &FluidOptions<D>,
+        scene: &Scene<'_, D, N>,
+        peers: &dyn Peers<D, N>,
+    ) -> bool
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        self.note(scene);
+        let is_new = !self.waiting.is_empty() || self.known != Some(scene.solid().node_count());
+        let new = all(peers, (is_new, std::mem::take(&mut self.waiting)));
+        if new.iter().all(|(is_new, _)| !is_new) {
+            return false;
+        }
+        self.cells.extend(new.into_iter().flat_map(|(_, cells)| cells));
+        // A known cell is the first one of its key.
+        self.cells.sort_by_key(FluidCell::key);
+        self.cells.dedup_by_key(|cell| cell.key());
+        self.located = None;
+        self.locate(scene.topology);
+        let located = self.located.as_deref().unwrap_or_default();
+        let walls = self.places.iter().flat_map(|place| &place.here);
+        let yields = all(peers, yields(&self.cells, located, walls, scene));
+        let step = scene.step * f64::from(options.steps);
+        soften(&mut self.cells, options, yields.into_iter().flatten(), step);
+        self.known = Some(scene.solid().node_count());
+        true
+    }
+
+    /// Finds the present volumes of holes.
+    fn measure_holes<const N: usize>(&mut self, scene: &Scene<'_, D, N>, peers: &dyn Peers<D, N>)
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let mut increases: Vec<Sum> = self.places.iter().map(|place| place.increase(scene)).collect();
+        peers.add_up(&mut increases.iter_mut().collect::<Vec<_>>());
+        for (place, increase) in self.places.iter_mut().zip(increases).filter(|(place, _)| place.is_hole()) {
+            place.volume = place.enclosed + increase.value();
+        }
     }
 
     /// A network of these cells, with the state that was saved, if there is one.
@@ -166,142 +288,48 @@ impl<const D: usize> FluidAction<D> {
         [[f64; D]; N]: Simplex<D, N>,
     {
         let saved = std::mem::take(&mut self.saved);
-        self.cells = wet_joints(options, scene);
         self.left = saved.totals.map_or(0, |totals| totals.left);
+        self.cells = new_cells(&[], options, scene);
         if saved.totals.is_some() {
-            self.cells.retain(|cell| saved.cells.contains_key(&cell.key));
+            self.cells.retain(|cell| saved.cells.contains_key(&cell.key()));
         }
-        let shape = |cell: &FluidCell| match saved.cells.get(&cell.key) {
+        self.located = None;
+        self.locate(scene.topology);
+        let located = self.located.as_deref().unwrap_or_default();
+        let sides = sides_of(self.cells.len(), vec![motion_of(located, scene)]);
+        let shape = |(cell, sides): (&FluidCell<D>, &[_; 2])| match saved.cells.get(&cell.key()) {
             Some(of) => of.shape(),
-            None => shape_of(cell, 0.0, options, scene),
+            None => cell.shape::<N>(sides, 0.0, options, scene.step),
         };
-        self.shapes = self.cells.iter().map(shape).collect();
-        let mut sources = Vec::new();
-        for ((key, place), of) in (0..).zip(&mut self.places).zip(&options.sources) {
-            place.volume = match saved.sources.get(&of.name) {
-                Some(source) => source.volume(),
-                None if place.walls.is_empty() => 0.0,
-                None => volumes_of(&place.walls, scene).into_iter().sum(),
-            };
-            sources.push(Source {
-                key,
-                cells: place.keys(&self.cells, scene),
-                volume: place.volume,
-                drive: of.drive.clone(),
-                initial_pressure: of.initial_pressure,
-            });
+        self.shapes = self.cells.iter().zip(&sides).map(shape).collect();
+        self.measure_holes(scene, &Alone);
+        for place in &mut self.places {
+            if let Some(source) = saved.sources.get(&place.name) {
+                place.volume = source.volume();
+            }
         }
-        let flow = FlowModel { thickness: scene.model.thickness, ..options.flow };
-        let mut network =
-            Network::new(flow, sources, &fluid_cells(&self.cells, options, scene), &self.shapes)?;
-        let keys: Vec<u64> = self.cells.iter().map(|cell| cell.key).collect();
-        let names: Vec<&str> = options.sources.iter().map(|source| &*source.name).collect();
-        let state = match saved.state(&keys, &names, flow.fluid.state.lowest_pressure()) {
-            Some(state) => state,
-            // Fluid may come in at a later stage.
-            None => fdem_fluid::NetworkState { time: scene.time, ..network.state().clone() },
-        };
-        network.restore(&state)?;
+        let keys: Vec<u64> = self.cells.iter().map(FluidCell::key).collect();
+        let names: Vec<&str> = self.places.iter().map(|place| &*place.name).collect();
+        if let Some(state) = saved.state(&keys, &names, options.flow.fluid.state.lowest_pressure()) {
+            return self.restored(options, scene.model.thickness, &state);
+        }
+        let mut network = self.fresh(options, scene.model.thickness)?;
+        // Fluid may come in at a later stage.
+        network.restore(&NetworkState { time: scene.time, ..network.state().clone() })?;
         Ok(network)
     }
 }
 
-impl<const D: usize> SourcePlace<D> {
-    /// Keys of the cells that a source is connected with.
-    fn keys<const N: usize>(&self, cells: &[FluidCell], scene: &Scene<'_, D, N>) -> Vec<u64>
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let is_of = |cell: &&FluidCell| {
-            let mut vertices = vertices_of(cell, scene);
-            vertices.sort_unstable();
-            self.joints.contains(&vertices) || rims(vertices).any(|rim| self.rims.contains(&rim))
-        };
-        cells.iter().filter(is_of).map(|cell| cell.key).collect()
-    }
-}
-
 /// The cells, as the network has them.
-fn fluid_cells<const D: usize, const N: usize>(
-    cells: &[FluidCell],
-    options: &FluidOptions<D>,
-    scene: &Scene<'_, D, N>,
-) -> Vec<Cell<D>>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let of = |cell: &FluidCell| Cell {
-        key: cell.key,
-        corners: vertices_of(cell, scene),
-        law: law_of(cell, options, scene),
+fn fluid_cells<const D: usize>(cells: &[FluidCell<D>], options: &FluidOptions<D>) -> Vec<Cell<D>> {
+    let of = |cell: &FluidCell<D>| Cell {
+        key: cell.key(),
+        corners: cell.vertices,
+        law: cell.law(options),
         leak_off: options.leak_off,
         initial_pressure: options.initial_pressure,
     };
     cells.iter().map(of).collect()
-}
-
-/// The vertices of the facet of a cell.
-fn vertices_of<const D: usize, const N: usize>(cell: &FluidCell, scene: &Scene<'_, D, N>) -> [u32; D]
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let topology = scene.topology;
-    topology.facets[cell.facet as usize].corners[0].map(|corner| topology.vertices[corner as usize])
-}
-
-/// Volume of an undeformed hole, and its increase, m³.
-fn volumes_of<const D: usize, const N: usize>(walls: &[[u32; D]], scene: &Scene<'_, D, N>) -> [f64; 2]
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let faces: Vec<Face<D>> = walls.iter().map(|corners| Face::new(*corners, scene.solid())).collect();
-    volumes(&faces, scene)
-}
-
-/// The places of the sources of a model.
-fn places_of<const D: usize, const N: usize>(
-    options: &FluidOptions<D>,
-    model: &Model<D, N>,
-    scene: &Scene<'_, D, N>,
-) -> Result<Vec<SourcePlace<D>>, ModelError>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let mut places: Vec<SourcePlace<D>> = Vec::new();
-    let mut names = BTreeSet::new();
-    for source in &options.sources {
-        let needs = "facets, and a name that no other source of the fluid has";
-        if source.facets.is_empty() || !names.insert(&source.name) {
-            return Err(ModelError::Target { boundary: source.name.clone(), needs });
-        }
-        let (mut walls, mut rims_of, mut joints) = (Vec::new(), BTreeSet::new(), BTreeSet::new());
-        for &facet in &source.facets {
-            if let Some(&index) = facet.iter().find(|node| **node as usize >= model.mesh.nodes.len()) {
-                let place = format!("source of fluid '{}'", source.name);
-                return Err(ModelError::Missing { what: "node", index, place });
-            }
-            match outer_side(model, scene.topology, facet, &source.name) {
-                Ok(side) => {
-                    walls.push(side.corners);
-                    rims_of.extend(rims(facet));
-                }
-                Err(_) if scene.topology.has_facet(&facet) => {
-                    let mut vertices = facet;
-                    vertices.sort_unstable();
-                    joints.insert(vertices);
-                }
-                Err(error) => return Err(error),
-            }
-        }
-        let [value, _] = volumes_of(&walls, scene);
-        if !walls.is_empty() && value <= 0.0 {
-            let place = format!("source of fluid '{}'", source.name);
-            let range = "above 0: the facets of its hole enclose it";
-            return Err(ModelError::OutOfRange { place, what: "the volume", value, range });
-        }
-        places.push(SourcePlace { walls, rims: rims_of, joints, volume: 0.0 });
-    }
-    Ok(places)
 }
 
 impl<const D: usize, const N: usize> Action<D, N> for FluidAction<D>
@@ -311,7 +339,8 @@ where
     fn begin(&mut self, scene: &Scene<'_, D, N>) -> Result<(), ModelError> {
         let Some(options) = &scene.model.fluid else { return Ok(()) };
         if !scene.topology.is_whole() {
-            return Err(ModelError::FluidOnRanks);
+            // Ranks get the fluid of the whole run.
+            return Ok(());
         }
         if options.steps == 0 {
             let (place, what) = ("fluid".to_owned(), "number of steps of the solid in one of the fluid");
@@ -323,15 +352,16 @@ where
         }
         self.places = places_of(options, scene.model, scene)?;
         self.network = Some(self.start(options, scene)?);
-        // The first step of the fluid looks for all cells: of a new run, and of one that continues.
+        // The first step of the fluid computes the softness: of a new run, and of one that continues.
         self.known = None;
         Ok(())
     }
 
     fn act(&mut self, acting: &mut Acting<'_, D, N>) {
-        let Some(options) = &acting.scene.model.fluid else { return };
+        let (Some(_), Some(options)) = (&self.network, &acting.scene.model.fluid) else { return };
+        self.locate(acting.scene.topology);
         if self.left == 0 {
-            if let Err(error) = self.flow(options, &acting.scene) {
+            if let Err(error) = self.flow(options, &acting.scene, acting.peers) {
                 acting.fail(Stop::Fluid(error));
                 return;
             }
@@ -351,23 +381,31 @@ where
     }
 
     fn records(&self, scene: &Scene<'_, D, N>) -> Vec<Record> {
-        let (Some(network), Some(options)) = (&self.network, &scene.model.fluid) else { return Vec::new() };
+        let Some(network) = &self.network else { return Vec::new() };
         let state = network.state();
-        let mut records = vec![Record::new([NONE; 2], 0, &SavedTotals::of(state, self.left))];
+        let mut records = Vec::new();
         for (row, (cell, shape)) in self.cells.iter().zip(&self.shapes).enumerate() {
-            let sides = scene.topology.facets[cell.facet as usize].corners;
-            let codes = sides.map(|side| scene.topology.code_of_side(&side));
-            records.push(Record::new(codes, 0, &SavedCell::of(state, row, shape)));
+            let element = scene.topology.element(cell.sides[0] / N as u32);
+            if element.is_some_and(|element| scene.solid().share().element(element)) {
+                records.push(Record::new(cell.sides, 0, &SavedCell::of(state, row, shape)));
+            }
         }
-        for (key, (place, source)) in self.places.iter().zip(&options.sources).enumerate() {
-            let saved = SavedSource::of(state, key, place.volume);
-            records.push(Record::of_boundary(&source.name, 0, &saved));
+        if scene.counts_common() {
+            records.push(Record::new([NONE; 2], 0, &SavedTotals::of(state, self.left)));
+            for (key, place) in self.places.iter().enumerate() {
+                let saved = SavedSource::of(state, key, place.volume);
+                records.push(Record::of_boundary(&place.name, 0, &saved));
+            }
         }
         records
     }
 
     fn take(&mut self, record: &Record, scene: &Scene<'_, D, N>) -> bool {
         let Some(options) = &scene.model.fluid else { return false };
+        if !scene.topology.is_whole() {
+            // Ranks get the fluid of the whole run.
+            return true;
+        }
         if !record.is_common() {
             let code = record.codes[0];
             let cell = record.value(&SavedCell::<D>::LIKE);

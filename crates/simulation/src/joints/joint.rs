@@ -248,18 +248,6 @@ impl<const D: usize> Joint<D> {
         JointAxes::of::<N>(self.ends_at(position)).mean_gap()
     }
 
-    /// Opening of each end, m, and its rate, m/s; negative where it is closed.
-    pub(crate) fn openings<const N: usize>(&self, solid: &Solid<D, N>) -> [[f64; 2]; D]
-    where
-        [[f64; D]; N]: Simplex<D, N>,
-    {
-        let frame = JointAxes::new::<N>(self, solid);
-        std::array::from_fn(|end| {
-            let [a, b] = frame.ends[end];
-            [frame.components(minus(b, a))[0], dot(self.rate(end, solid), frame.axes[0])]
-        })
-    }
-
     /// Updates the joint and its forces. Returns the work since the last pass and, if the joint broke, the
     /// modes of its damage.
     #[inline]

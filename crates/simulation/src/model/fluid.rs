@@ -3,9 +3,8 @@
 use fdem_fluid::{ApertureLaw, Drive, FlowModel};
 use serde::{Deserialize, Serialize};
 
-/// Fluid in the cracks of a model. Its pressure acts on both faces of joints, and on the walls of holes.
-///
-/// Not on many ranks: [`ModelError::FluidOnRanks`](crate::ModelError::FluidOnRanks).
+/// Fluid in the cracks of a model. Its pressure acts on both faces of joints, and on the walls of holes. On
+/// many ranks each computes all of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound(
     serialize = "[f64; D]: Serialize, [u32; D]: Serialize",

@@ -2,7 +2,9 @@
 
 use fdem_distributed::Communicator;
 use fdem_distributed::wire::{bytes_of, value_of};
+use fdem_fluid::Network;
 
+use crate::actions::fluid::{FluidAction, SharedFluid};
 use crate::actions::spheres::{SavedSpheres, SphereAction};
 use crate::critical::CriticalStep;
 use crate::energy::Energies;
@@ -108,16 +110,20 @@ where
             let run = run.as_mut().expect("rank 0 has the run");
             run.watch();
             let spheres: Vec<_> = run.actions.spheres.save().into_iter().collect();
-            bytes = bytes_of(&[CommonData::of(run).bytes(), run.carried().bytes(), bytes_of(&spheres)]);
+            let fluid: Vec<_> = run.actions.fluid.shared().into_iter().collect();
+            run.actions.fluid = FluidAction::default();
+            bytes = bytes_of(&[
+                CommonData::of(run).bytes(),
+                run.carried().bytes(),
+                bytes_of(&spheres),
+                bytes_of(&fluid),
+            ]);
         } else {
             run = None;
         }
         communicator.broadcast(&mut bytes);
-        let [frame, common, spheres]: [Vec<u8>; 3] = value_of(&bytes);
+        let [frame, common, spheres, fluid]: [Vec<u8>; 4] = value_of(&bytes);
         let frame = CommonData::of_bytes(&frame);
-        if frame.model.fluid.is_some() {
-            return Err(ModelError::FluidOnRanks);
-        }
         if let Some(of) = frame.model.until_overloaded.first() {
             return Err(ModelError::UntilOverloaded { body: of.body, why: "the run is on many ranks" });
         }
@@ -131,6 +137,11 @@ where
         run.actions.spheres = SphereAction::new(&frame.model, frame.scales.time_step, &team)?;
         if let Some(saved) = value_of::<Vec<SavedSpheres<D>>>(&spheres).pop() {
             run.actions.spheres.restore(saved)?;
+        }
+        if let (Some(options), Some(shared)) =
+            (&frame.model.fluid, value_of::<Vec<SharedFluid<D>>>(&fluid).pop())
+        {
+            run.actions.fluid = FluidAction::of_rank(shared, options, frame.model.thickness)?;
         }
         let first = run.step;
         Ok(Self { communicator, frame, division, run, links, team, spreads: 0, sent: [0; 2], first })
@@ -173,6 +184,8 @@ where
     /// Gives ranks the elements that they need now.
     fn spread(&mut self) -> Result<(), ModelError> {
         self.run.watch();
+        let mut fluid = std::mem::take(&mut self.run.actions.fluid);
+        fluid.note(&self.run.scene());
         let carried = self.run.carried();
         for (sum, more) in self.sent.iter_mut().zip(self.links.sent) {
             *sum += more;
@@ -184,6 +197,7 @@ where
         let (new, messages) = part(Some(taken), Some(links), division, frame, carried, *communicator, team)?;
         (self.run, self.links) = (new, messages);
         self.run.actions.spheres = spheres.among_others(motion);
+        self.run.actions.fluid = fluid.among_others();
         self.spreads += 1;
         Ok(())
     }
@@ -249,6 +263,16 @@ where
     /// Computing time of this rank so far, by parts of the steps.
     pub fn timings(&self) -> Timings {
         self.run.timings()
+    }
+
+    /// The fluid in the cracks: see [`Simulation::fluid`]. All ranks have all of it.
+    pub fn fluid(&self) -> Option<&Network<D>> {
+        self.run.fluid()
+    }
+
+    /// The two elements beside each cell of the fluid: see [`Simulation::fluid_joints`].
+    pub fn fluid_joints(&self) -> Vec<[u32; 2]> {
+        self.run.fluid_joints()
     }
 
     /// Number of threads of this rank.

@@ -337,7 +337,7 @@ where
 
     /// The two elements beside each cell of the fluid, in the order of the columns of [`Simulation::fluid`].
     pub fn fluid_joints(&self) -> Vec<[u32; 2]> {
-        self.actions.fluid.elements(&self.topology)
+        self.actions.fluid.elements::<N>()
     }
 
     /// The model as it was given.

@@ -49,7 +49,7 @@ fn weak() -> Strength {
 }
 
 /// Water that breaks the plate.
-fn breaking() -> Model {
+pub(crate) fn breaking() -> Model {
     plate(Some(weak()), rate(0.05))
 }
 
@@ -341,17 +341,21 @@ fn a_crack_grows_as_toughness_says() {
     assert!((pressure - 1.0).abs() < 0.18, "{pressure}");
 }
 
-#[test]
-fn a_pressure_opens_a_hole_in_space() {
-    let cube = crate::cavity::cube(None, 1e6);
+/// A cube with a hole, and a fluid in it in place of the cavity.
+pub(crate) fn cube_with_fluid(strength: Option<Strength>, pressure: f64) -> Model<3, 4> {
+    let cube = crate::cavity::cube(strength, pressure);
     let Target::Facets(facets) = cube.boundaries[0].target.clone() else { panic!("facets") };
-    let drive = Some(Drive::Pressure(FluidSchedule::constant(1e6)));
+    let drive = Some(Drive::Pressure(FluidSchedule::constant(pressure)));
     let hole = FluidSource { name: "hole".to_owned(), facets, drive, initial_pressure: Some(0.0) };
     let fluid = FluidOptions::new(FlowModel::new(Fluid::WATER), vec![hole]);
-    let with_fluid = Model { boundaries: Vec::new(), fluid: Some(fluid), ..cube.clone() };
-    let mut run = Simulation::<3, 4>::new(with_fluid, 1).expect("a model");
+    Model { boundaries: Vec::new(), fluid: Some(fluid), ..cube }
+}
+
+#[test]
+fn a_pressure_opens_a_hole_in_space() {
+    let mut run = Simulation::new(cube_with_fluid(None, 1e6), 1).expect("a model");
     // A cavity of the same pressure gives the same motion.
-    let mut with_cavity = cube;
+    let mut with_cavity = crate::cavity::cube(None, 1e6);
     with_cavity.boundaries[0].load = Load::Cavity { pressure: 1e6, gas: None };
     let mut other = Simulation::<3, 4>::new(with_cavity, 1).expect("a model");
     let first = other.cavity(0).expect("a cavity").volume;
@@ -385,13 +389,4 @@ fn fluid_stays_in_the_next_stage() {
     assert!(after.drained >= 0.0 && after.stored > 0.5 * before.stored, "{after:?} {before:?}");
     run.advance(50).expect("steps");
     assert!(mass_error(&run) < 1e-12, "{}", mass_error(&run));
-}
-
-#[test]
-fn ranks_refuse_fluid() {
-    fdem_distributed::threads::run(2, |communicator| {
-        let run = (communicator.rank() == 0).then(|| Simulation::new(breaking(), 1).expect("a model"));
-        let error = Distributed::new(communicator, run, 1).map(|_| ()).expect_err("fluid");
-        assert_eq!(error, ModelError::FluidOnRanks);
-    });
 }

@@ -77,6 +77,22 @@ fn a_crash_of_rigid_bodies_is_the_same() {
     assert!(counts.contacts > 5, "{counts:?}");
 }
 
+/// A fluid that breaks a plate, in a step of each step of the solid, and of every third one; the same on
+/// joints that may be wet when they have broken; and a fluid in a hole and its cracks in space.
+#[test]
+fn a_fluid_in_cracks_is_the_same() {
+    for (steps, wet_from) in [(1, WetFrom::Insertion), (3, WetFrom::Insertion), (3, WetFrom::Break)] {
+        let mut model = crate::fluid::breaking();
+        let fluid = model.fluid.as_mut().expect("a fluid");
+        (fluid.steps, fluid.wet_from) = (steps, wet_from);
+        let counts = same_on_ranks!(model, 2, 3, &[1, 2, 3, 8], &[1, 299, 301]);
+        assert!(counts.broken > 5, "{counts:?}");
+    }
+    let counts =
+        same_on_ranks!(crate::fluid::cube_with_fluid(Some(rock()), 2e8), 3, 4, &[2, 3], &[1, 150, 70]);
+    assert!(counts.broken > 5, "{counts:?}");
+}
+
 /// A bar that a boundary twists at one end, whose nodes are on several ranks: so is its moment.
 #[test]
 fn the_moment_of_a_rotation_is_the_same() {

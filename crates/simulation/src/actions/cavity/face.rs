@@ -98,21 +98,50 @@ pub(crate) fn volumes<const D: usize, const N: usize>(faces: &[Face<D>], scene: 
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    let (mut enclosed, mut increase) = (Sum::default(), Sum::default());
-    let (mut sum, mut whole) = ([0.0; D], 0.0);
+    [enclosed(faces, scene), increase(faces, scene).value()]
+}
+
+/// The volume that undeformed facets enclose, m³; 0 if they do not enclose any.
+pub(crate) fn enclosed<const D: usize, const N: usize>(faces: &[Face<D>], scene: &Scene<'_, D, N>) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let (mut enclosed, mut sum, mut whole) = (Sum::default(), [0.0; D], 0.0);
     for face in faces {
-        let places = face.corners.map(|corner| {
-            let vertex = scene.topology.vertices[corner as usize];
-            minus(scene.model.mesh.nodes[vertex as usize], scene.solid().origin)
-        });
-        let area = <[[f64; D]; N]>::facet_normal(&places).map(|n| n * scene.solid().thickness);
-        enclosed.add(-dot(area, places[0]) / D as f64);
+        let (place, area) = undeformed(face, scene);
+        enclosed.add(-dot(area, place) / D as f64);
         add(&mut sum, area, 1.0);
         whole += dot(area, area).sqrt();
+    }
+    let is_closed = dot(sum, sum).sqrt() <= CLOSED * whole;
+    if is_closed { enclosed.value().max(0.0) } else { 0.0 }
+}
+
+/// The volume by which the motion of facets has increased that which they enclose, m³.
+pub(crate) fn increase<'a, const D: usize, const N: usize>(
+    faces: impl IntoIterator<Item = &'a Face<D>>,
+    scene: &Scene<'_, D, N>,
+) -> Sum
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let mut increase = Sum::default();
+    for face in faces {
+        let (_, area) = undeformed(face, scene);
         let mean = std::array::from_fn(|axis| 0.5 * (area[axis] + face.area[axis]));
         increase.add(-dot(mean, moved(face, scene)));
     }
-    let is_closed = dot(sum, sum).sqrt() <= CLOSED * whole;
-    let enclosed = if is_closed { enclosed.value() } else { 0.0 };
-    [enclosed.max(0.0), increase.value()]
+    increase
+}
+
+/// The place of the first corner of an undeformed face, m, and its area vector, m².
+fn undeformed<const D: usize, const N: usize>(face: &Face<D>, scene: &Scene<'_, D, N>) -> (Point<D>, Point<D>)
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let places = face.corners.map(|corner| {
+        let vertex = scene.topology.vertices[corner as usize];
+        minus(scene.model.mesh.nodes[vertex as usize], scene.solid().origin)
+    });
+    (places[0], <[[f64; D]; N]>::facet_normal(&places).map(|n| n * scene.solid().thickness))
 }

@@ -5,6 +5,63 @@ use std::collections::BTreeMap;
 use fdem_distributed::wire;
 use fdem_fluid::{NetworkState, Shape};
 
+use crate::actions::cavity::face::Rim;
+use crate::actions::fluid::cells::FluidCell;
+
+/// The fluid of a whole run, for all ranks.
+#[derive(Debug)]
+pub(crate) struct SharedFluid<const D: usize> {
+    pub(super) cells: Vec<FluidCell<D>>,
+    saved: Vec<SavedCell<D>>,
+    pub(super) places: Vec<SharedPlace<D>>,
+    sources: Vec<SavedSource>,
+    totals: SavedTotals,
+    pub(super) left: u32,
+}
+
+wire!([const D: usize] SharedFluid<D> { cells, saved, places, sources, totals, left });
+
+/// The place of a source, for all ranks.
+#[derive(Debug)]
+pub(super) struct SharedPlace<const D: usize> {
+    pub(super) name: String,
+    pub(super) walls: Vec<u32>,
+    pub(super) rims: Vec<Rim>,
+    pub(super) joints: Vec<[u32; D]>,
+    /// Of the undeformed hole, and at the last step of the fluid, m³.
+    pub(super) volumes: [f64; 2],
+}
+
+wire!([const D: usize] SharedPlace<D> { name, walls, rims, joints, volumes });
+
+impl<const D: usize> SharedFluid<D> {
+    pub(super) fn new(
+        cells: Vec<FluidCell<D>>,
+        shapes: &[Shape<D>],
+        places: Vec<SharedPlace<D>>,
+        left: u32,
+        state: &NetworkState,
+    ) -> Self {
+        let saved = shapes.iter().enumerate().map(|(row, shape)| SavedCell::of(state, row, shape)).collect();
+        let source = |(key, place): (usize, &SharedPlace<D>)| SavedSource::of(state, key, place.volumes[1]);
+        let sources = places.iter().enumerate().map(source).collect();
+        Self { cells, saved, sources, totals: SavedTotals::of(state, left), places, left }
+    }
+
+    /// The last shapes of the cells.
+    pub(super) fn shapes(&self) -> Vec<Shape<D>> {
+        self.saved.iter().map(SavedCell::shape).collect()
+    }
+
+    /// The state of the network.
+    pub(super) fn state(&self) -> NetworkState {
+        let mut state = self.totals.state(self.cells.iter().map(FluidCell::key).collect(), self.places.len());
+        self.saved.iter().for_each(|cell| cell.row.add_to(&mut state));
+        self.sources.iter().for_each(|source| source.add_to(&mut state));
+        state
+    }
+}
+
 /// A cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SavedCell<const D: usize> {
@@ -98,6 +155,13 @@ impl SavedSource {
         Self { row, numbers: [state.injected[source], state.rate[source], volume] }
     }
 
+    fn add_to(&self, state: &mut NetworkState) {
+        let [injected, rate, _] = self.numbers;
+        self.row.add_to(state);
+        state.injected.push(injected);
+        state.rate.push(rate);
+    }
+
     /// Volume at the last step of the fluid, m³.
     pub(super) fn volume(&self) -> f64 {
         self.numbers[2]
@@ -114,6 +178,13 @@ impl SavedTotals {
         let numbers = [time, initial, leaked, drained, missed, sum(&state.mass), sum(&state.injected)];
         Self { numbers, left }
     }
+
+    /// A state with these cells and this number of sources, without their values.
+    fn state(&self, cells: Vec<u64>, sources: usize) -> NetworkState {
+        let [time, initial, leaked, drained, missed, ..] = self.numbers;
+        let sources = (0..sources as u64).collect();
+        NetworkState { cells, sources, time, initial, leaked, drained, missed, ..NetworkState::default() }
+    }
 }
 
 impl<const D: usize> SavedFluid<D> {
@@ -121,27 +192,14 @@ impl<const D: usize> SavedFluid<D> {
     /// no more is drained. `lowest`: pressure of new sources, Pa.
     pub(super) fn state(&self, cells: &[u64], sources: &[&str], lowest: f64) -> Option<NetworkState> {
         let totals = self.totals.as_ref()?;
-        let [time, initial, leaked, drained, missed, ..] = totals.numbers;
-        let mut state = NetworkState {
-            cells: cells.to_vec(),
-            sources: (0..sources.len() as u64).collect(),
-            time,
-            initial,
-            leaked,
-            drained,
-            missed,
-            ..NetworkState::default()
-        };
+        let mut state = totals.state(cells.to_vec(), sources.len());
         for key in cells {
             self.cells.get(key)?.row.add_to(&mut state);
         }
         let dry = Row { numbers: [0.0, lowest, lowest, f64::INFINITY], was_wet: false };
         let new = SavedSource { row: dry, numbers: [0.0; 3] };
         for name in sources {
-            let SavedSource { row, numbers: [injected, rate, _] } = *self.sources.get(*name).unwrap_or(&new);
-            row.add_to(&mut state);
-            state.injected.push(injected);
-            state.rate.push(rate);
+            self.sources.get(*name).unwrap_or(&new).add_to(&mut state);
         }
         // The fluid of cells and sources that are no more; exactly 0 where there are none.
         let [.., stored, injected] = totals.numbers;

@@ -9,10 +9,9 @@
 //! from their owners in each step.
 
 use fdem_distributed::wire;
-use fdem_distributed::wire::{Wire, bytes_of, value_of};
 
 use crate::action::Scene;
-use crate::peers::Peers;
+use crate::peers::{Peers, all};
 use crate::rotation::lifted;
 use crate::simplex::Simplex;
 use crate::topology::{NONE, corners_of_facet, place_in_element};
@@ -73,17 +72,6 @@ struct PointsMotion {
 }
 
 wire!([] PointsMotion { is_stale, points });
-
-/// The values of all ranks, in the order of the ranks.
-fn all<T: Wire, const D: usize, const N: usize>(peers: &dyn Peers<D, N>, own: T) -> Vec<T>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    if peers.are_none() {
-        return vec![own];
-    }
-    peers.all_bytes(&bytes_of(&own)).iter().map(|bytes| value_of(bytes)).collect()
-}
 
 impl<const D: usize> BodySurface<D> {
     /// Brings the surface to the present positions of the nodes. All ranks call it together.
