@@ -68,6 +68,13 @@ pub enum FluidError {
         /// The sources.
         sources: [u64; 2],
     },
+    /// Two boundaries prescribe the pressure of the same vertex of the pores.
+    SharedVertex {
+        /// The vertex.
+        vertex: u32,
+        /// The boundaries.
+        sources: [u64; 2],
+    },
     /// Two sources hold a pressure in the same cavity.
     SharedCavity {
         /// The sources.
@@ -95,9 +102,9 @@ pub enum FluidError {
     },
     /// A pivot of the linear system is not positive, or not a number.
     Pivot {
-        /// "cell" or "source".
+        /// "cell", "source" or "vertex".
         what: &'static str,
-        /// Key of the cell or source.
+        /// Key of the cell or source, or number of the vertex.
         key: u64,
     },
     /// A saved state is that of another network: the reason.
@@ -121,6 +128,12 @@ impl fmt::Display for FluidError {
             }
             Self::SharedCell { cell, sources: [a, b] } => {
                 write!(out, "sources {a} and {b} both act on cell {cell}")
+            }
+            Self::SharedVertex { vertex, sources: [a, b] } => {
+                write!(
+                    out,
+                    "boundaries {a} and {b} both prescribe the pressure of vertex {vertex} of the pores"
+                )
             }
             Self::SharedCavity { sources: [a, b] } => {
                 write!(out, "sources {a} and {b} both hold a pressure in the same cavity")

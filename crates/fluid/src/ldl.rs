@@ -66,7 +66,6 @@ impl Ldl {
     }
 
     /// Number of entries of `L` below its diagonal.
-    #[cfg(test)]
     pub(crate) fn fill(&self) -> usize {
         self.l_values.len()
     }
@@ -101,15 +100,22 @@ impl Ldl {
         self.l_values = vec![0.0; fill];
     }
 
-    /// Computes the factors of the matrix with these values on its diagonal and at its entries, which are
-    /// zero or negative. `sums`: those of its rows, zero or positive.
+    /// Computes the factors of the matrix with these values on its diagonal and at its entries. `sums`: those
+    /// of its rows, zero or positive, for a matrix whose entries are zero or negative; `None` for another
+    /// positive definite one.
     ///
-    /// A pivot is at least the sum of its row at its elimination, which is a sum of positive numbers. So that
-    /// of a stiff fluid in a closed part, whose storage is less than the rounding of its links, is not lost.
+    /// With `sums` a pivot is at least the sum of its row at its elimination, which is a sum of positive
+    /// numbers. So that of a stiff fluid in a closed part, whose storage is less than the rounding of its
+    /// links, is not lost.
     ///
     /// # Errors
     /// The unknown whose pivot is not positive and finite.
-    pub(crate) fn factor(&mut self, diagonal: &[f64], entries: &[f64], sums: &[f64]) -> Result<(), usize> {
+    pub(crate) fn factor(
+        &mut self,
+        diagonal: &[f64],
+        entries: &[f64],
+        sums: Option<&[f64]>,
+    ) -> Result<(), usize> {
         let unknowns = self.order.len();
         let mut ends = self.l_starts[..unknowns].to_vec();
         let mut seen = vec![NONE; unknowns];
@@ -136,7 +142,7 @@ impl Ldl {
                 first -= length;
             }
             let unknown = self.order[k] as usize;
-            let (mut pivot, mut sum) = (diagonal[unknown], sums[unknown]);
+            let (mut pivot, mut sum) = (diagonal[unknown], sums.map_or(0.0, |sums| sums[unknown]));
             for &place in &places[first..] {
                 let at = place as usize;
                 let value = std::mem::take(&mut row[at]);
@@ -156,7 +162,9 @@ impl Ldl {
             }
             // The last row of a part has nothing but its pivot.
             let is_finite = pivot.is_finite();
-            pivot = if self.parent[k] == NONE { sum } else { pivot.max(sum) };
+            if sums.is_some() {
+                pivot = if self.parent[k] == NONE { sum } else { pivot.max(sum) };
+            }
             if !(is_finite && pivot > 0.0) {
                 return Err(unknown);
             }
@@ -210,7 +218,7 @@ mod tests {
             diagonal[*b as usize] -= value;
         }
         let mut ldl = Ldl::of(unknowns, &entries);
-        ldl.factor(&diagonal, &values, &vec![1e-3; unknowns]).expect("positive pivots");
+        ldl.factor(&diagonal, &values, Some(&vec![1e-3; unknowns])).expect("positive pivots");
         let side: Vec<f64> = (0..unknowns).map(|k| (k * 29 % 17) as f64).collect();
         let mut x = side.clone();
         ldl.solve(&mut x);
@@ -223,7 +231,7 @@ mod tests {
             assert!((product - side).abs() < 1e-6, "{product} {side}");
         }
         diagonal[34] = f64::NAN;
-        assert_eq!(ldl.factor(&diagonal, &values, &vec![1e-3; unknowns]), Err(34));
+        assert_eq!(ldl.factor(&diagonal, &values, Some(&vec![1e-3; unknowns])), Err(34));
     }
 
     /// With links of 1 and a storage of 1e-20 in each unknown, the mean of the solution is that of the right
@@ -236,7 +244,8 @@ mod tests {
         let mut diagonal = vec![1e-20; unknowns];
         entries.iter().flatten().for_each(|end| diagonal[*end as usize] += 1.0);
         let mut ldl = Ldl::of(unknowns, &entries);
-        ldl.factor(&diagonal, &vec![-1.0; entries.len()], &vec![1e-20; unknowns]).expect("positive pivots");
+        ldl.factor(&diagonal, &vec![-1.0; entries.len()], Some(&vec![1e-20; unknowns]))
+            .expect("positive pivots");
         let mut x = vec![0.0; unknowns];
         x[7] = 1.0;
         ldl.solve(&mut x);

@@ -1,5 +1,5 @@
-//! Flow of a fluid in networks of cracks: the cubic law, fluid lag, leak-off, in implicit steps that keep the
-//! mass.
+//! Flow of a fluid in networks of cracks and in the pores of bodies: the cubic law, fluid lag, leak-off,
+//! Darcy's law with Biot's coupling, in implicit steps that keep the mass.
 //!
 //! A [`Network`] consists of [`Cell`]s, the opened facets of a mesh: edges in the plane, triangles in space.
 //! The caller gives their shapes and openings before each step; the network returns their pressures. It knows
@@ -103,6 +103,43 @@
 //! wall. With [`Connection::Cavities`] all cells that are connected have one pressure, too, and no
 //! resistance: a gas in a blast hole and its cracks, `p(V)`, or the limit of low viscosity.
 //!
+//! # Pores
+//!
+//! A [`PorousMatrix`] has the liquid in the pores of triangles or tetrahedra, with a pressure at each vertex
+//! of the undeformed mesh (tension of the body is positive, `ε` is the strain of its volume):
+//!
+//! | quantity | equation | file |
+//! |---|---|---|
+//! | total stress | `σ = σ' - α p 1`: the body has the effective stress `σ'` (M. A. Biot, J. Appl. Phys. 12 (1941) 155) | the caller |
+//! | content | `ζ = α ε + p/M`, `1/M = φ/K_f + (α - φ)/K_s` | `src/matrix/material.rs` |
+//! | flow | `q = -k/μ (∇p - ρ g)` | `src/matrix/assembly.rs` |
+//! | balance | `dζ/dt = -∇·q + source` | `src/matrix.rs` |
+//!
+//! **A step.** [`PorousMatrix::deform`] takes the present volumes of elements, after each step of the solid:
+//! the liquid stays, and pressures are those of its content in the new volumes, the undrained response.
+//! [`PorousMatrix::pressure_in`] pushes the corners of an element: the force on a corner is `α p` times the
+//! derivative of the volume of the element by the place of the corner, `-A/D` with the outward area vector
+//! of the opposite facet. These forces are the gradient of `Σ S p²/2` at constant contents, so that without
+//! flow the energy of body and liquid is constant. [`PorousMatrix::advance`] moves liquid by backward Euler,
+//! while the body stays: this energy falls. Undrained and drained parts in turn are the undrained split (J.
+//! Kim, H. A. Tchelepi and R. Juanes, Comput. Methods Appl. Mech. Eng. 200 (2011) 2094-2116).
+//!
+//! **Places of pressures.** They are linear in elements (Galerkin), with the storage of each element shared
+//! equally by its vertices. A linear pressure is exact in any mesh, errors fall with the square of the size,
+//! the matrix is symmetric and positive definite, and the forces above follow. One pressure for each element
+//! with flow between neighbours (two-point flux) would not converge in meshes of triangles that are not
+//! orthogonal. Flow goes from vertex to vertex, `T_ij (p_i - p_j + ρ g·(x_j - x_i))`, and one loses the
+//! volume that the other gains: mass is kept to rounding.
+//!
+//! **Strains are small**: storage and conductances are those of the undeformed mesh. The volumes of elements
+//! are exact.
+//!
+//! **Fast loads.** Linear displacements with linear pressures are no stable pair for an incompressible
+//! mixture (`M → ∞`, `k → 0`): pressures may alternate from vertex to vertex. A liquid in rock is
+//! compressible, with `α² M` of the order of the bulk modulus of the frame, and shared storage damps the
+//! alternation of the first step after a jump (P. A. Vermeer and A. Verruijt, Int. J. Numer. Anal. Methods
+//! Geomech. 5 (1981) 1-14). No stabilisation is added; the tests of the coupling bound the error.
+//!
 //! # Bits
 //!
 //! Results depend on numbers and keys of cells, and not on their order, on saved states or on the processor:
@@ -123,6 +160,9 @@
 //! - A step that is far longer than fluid needs to run down the network may not converge, in 64 parts
 //!   neither: 3 of 72,000 random ones. The error names the cell.
 //! - A closed cell blocks: a front enters it as far as the solid, or its residual aperture, opens it.
+//! - Pores have one pressure at each vertex of the undeformed mesh: a crack that blocks flow across it, with
+//!   different pressures on its faces, is not represented.
+//! - Opposite to obtuse angles flow between two vertices is negative: a pressure may overshoot there.
 //! - The flow does not know inertia: Reynolds numbers `ρ q/μ` above some hundreds are outside of the cubic
 //!   law.
 //!
@@ -135,17 +175,19 @@
 //! | connections | `src/topology.rs` |
 //! | a step | `src/network/balances.rs`, then `implicit.rs` or `explicit.rs` beside it |
 //! | saved columns | `src/state.rs` |
+//! | flow in pores | `src/matrix.rs` and the files in `src/matrix` |
 //! | the linear solver | `src/ldl.rs`, its order: `src/ordering.rs` |
 //!
 //! Files import from those above them in this order: `error`, `fluid`, `aperture`, `source`, `cell`, `state`,
-//! `storage`, `ordering`, `ldl`, `topology`, `network`, `network/balances`, `network/implicit` and
-//! `network/explicit`.
+//! `storage`, `ordering`, `ldl`, `topology`, `network`, `network/balances`, `network/implicit`,
+//! `network/explicit`, `matrix/material`, `matrix/state`, `matrix/assembly` and `matrix`.
 
 mod aperture;
 mod cell;
 mod error;
 mod fluid;
 mod ldl;
+mod matrix;
 mod network;
 mod ordering;
 mod source;
@@ -157,6 +199,9 @@ pub use aperture::ApertureLaw;
 pub use cell::{Cell, Shape};
 pub use error::FluidError;
 pub use fluid::{Fluid, StateEquation};
+pub use matrix::{
+    MatrixState, PoreBalance, PoreBoundary, PoreLiquid, PorousElement, PorousMaterial, PorousMatrix,
+};
 pub use network::{Connection, Flow, FlowModel, Injection, Network, Scheme, StepReport};
 pub use source::{Drive, Schedule, Source};
 pub use state::{Balance, NetworkState};

@@ -71,6 +71,16 @@ pub enum Drive {
     Pressure(Schedule),
 }
 
+impl Drive {
+    /// `lowest`: the least pressure, Pa.
+    pub(crate) fn check(&self, place: &str, lowest: f64) -> Result<(), FluidError> {
+        match self {
+            Self::Rate(rate) => rate.check(place, "rate", f64::NEG_INFINITY),
+            Self::Pressure(pressure) => pressure.check(place, "pressure", lowest),
+        }
+    }
+}
+
 /// A place where fluid enters: a borehole, or some cells. Its volume and its wet cells have one pressure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
@@ -97,11 +107,7 @@ impl Source {
         if self.cells.is_empty() && self.volume == 0.0 {
             return Err(FluidError::NoPlace { source: self.key });
         }
-        match &self.drive {
-            None => Ok(()),
-            Some(Drive::Rate(rate)) => rate.check(&place, "rate", f64::NEG_INFINITY),
-            Some(Drive::Pressure(pressure)) => pressure.check(&place, "pressure", lowest),
-        }
+        self.drive.as_ref().map_or(Ok(()), |drive| drive.check(&place, lowest))
     }
 }
 

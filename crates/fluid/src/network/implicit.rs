@@ -272,7 +272,7 @@ impl<const D: usize> Network<D> {
         for (k, change) in change.iter_mut().enumerate() {
             *change = if is_free[k] { -(errors[k] + rest[k]) } else { 0.0 };
         }
-        self.solver.factor(&slopes.diagonal, &entries, &sums).map_err(|k| {
+        self.solver.factor(&slopes.diagonal, &entries, Some(&sums)).map_err(|k| {
             let (what, key) = self.name(self.topology.members(k)[0] as usize);
             FluidError::Pivot { what, key }
         })?;

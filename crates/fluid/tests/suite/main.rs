@@ -16,6 +16,8 @@ mod determinism;
 mod filling;
 /// Leak-off, and the balance of the mass.
 mod leak_off;
+/// Flow in pores: analytic solutions, mass, bits, refusals.
+mod matrix;
 /// Models, shapes and steps that are refused.
 mod refusals;
 /// Random networks and steps.
