@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sizes: &[u32] = if is_quick { &[100] } else { &[1_000, 10_000, 100_000, 1_000_000] };
     let headings = ["cells", "links", "systems", "step [s]", "per cell and system [ns]", "analysis [s]"];
     let about = "Seconds of the first step of a pump in the middle of cells that are full, the fastest of five rounds.";
-    let mut text = format!("# Flow in cracks\n\n{about}\n\n{}\n", machine(&[1]));
+    let mut text = format!("# Flow in cracks and in pores\n\n{about}\n\n{}\n", machine(&[1]));
     for (title, time) in [
         ("A chain in the plane", time_chain as fn(u32) -> Result<Times, FluidError>),
         ("A sheet in space", time_sheet),
@@ -74,7 +74,8 @@ fn add_pores(text: &mut String, is_quick: bool) -> Result<(), Box<dyn Error>> {
     for &size in sizes {
         table.row(row_of(&time_square(size)?));
     }
-    write!(text, "\n## Pores of a square of triangles\n\n{table}")?;
+    let about = "A well in the middle injects; the factors serve as long as the length of the step stays.";
+    write!(text, "\n## Pores of a square of triangles\n\n{about}\n\n{table}")?;
     let sizes: &[u32] = if is_quick { &[4] } else { &[9, 20, 31, 45] };
     let mut table = Table::new(&headings);
     for &size in sizes {

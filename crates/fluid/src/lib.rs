@@ -131,6 +131,8 @@
 //! orthogonal. Flow goes from vertex to vertex, `T_ij (p_i - p_j + ρ g·(x_j - x_i))`, and one loses the
 //! volume that the other gains: mass is kept to rounding.
 //!
+//! **Cracks** flow into pores, and pores into cracks, by [`exchange`], after each step of the network.
+//!
 //! **Strains are small**: storage and conductances are those of the undeformed mesh. The volumes of elements
 //! are exact.
 //!
@@ -175,21 +177,25 @@
 //! | connections | `src/topology.rs` |
 //! | a step | `src/network/balances.rs`, then `implicit.rs` or `explicit.rs` beside it |
 //! | saved columns | `src/state.rs` |
+//! | flow between cracks and pores | `src/exchange.rs`, `src/outlet.rs` |
 //! | flow in pores | `src/matrix.rs` and the files in `src/matrix` |
 //! | the linear solver | `src/ldl.rs`, its order: `src/ordering.rs` |
 //!
 //! Files import from those above them in this order: `error`, `fluid`, `aperture`, `source`, `cell`, `state`,
-//! `storage`, `ordering`, `ldl`, `topology`, `network`, `network/balances`, `network/implicit`,
-//! `network/explicit`, `matrix/material`, `matrix/state`, `matrix/assembly` and `matrix`.
+//! `storage`, `ordering`, `ldl`, `outlet`, `topology`, `network`, `network/balances`, `network/implicit`,
+//! `network/explicit`, `matrix/material`, `matrix/state`, `matrix/assembly`, `matrix` and
+//! `exchange`.
 
 mod aperture;
 mod cell;
 mod error;
+mod exchange;
 mod fluid;
 mod ldl;
 mod matrix;
 mod network;
 mod ordering;
+mod outlet;
 mod source;
 mod state;
 mod storage;
@@ -198,6 +204,7 @@ mod topology;
 pub use aperture::ApertureLaw;
 pub use cell::{Cell, Shape};
 pub use error::FluidError;
+pub use exchange::exchange;
 pub use fluid::{Fluid, StateEquation};
 pub use matrix::{
     MatrixState, PoreBalance, PoreBoundary, PoreLiquid, PorousElement, PorousMaterial, PorousMatrix,

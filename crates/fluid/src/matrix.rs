@@ -228,6 +228,17 @@ impl<const D: usize, const N: usize> PorousMatrix<D, N> {
         Ok(())
     }
 
+    /// Adds volumes to vertices with pores, m³: those that come out of cracks.
+    pub(crate) fn gain(&mut self, gains: &[(u32, f64)]) {
+        for &(vertex, volume) in gains {
+            let vertex = vertex as usize;
+            self.state.content[vertex] += volume;
+            self.state.pressure[vertex] += volume / self.assembly.storage[vertex];
+            self.state.exchanged += volume;
+            self.state.moved += volume.abs();
+        }
+    }
+
     /// Computes the factors of the matrix for a length of the step, if they are not there.
     fn factor(&mut self, step: f64) -> Result<(), FluidError> {
         if self.factored == Some(step) {
@@ -368,7 +379,8 @@ impl<const D: usize, const N: usize> PorousMatrix<D, N> {
     pub fn balance(&self) -> PoreBalance {
         let state = &self.state;
         let (inflow, stored) = (sum(&state.inflow), sum(&state.content));
-        PoreBalance { initial: state.initial, inflow, stored, moved: state.moved }
+        let MatrixState { initial, exchanged, moved, .. } = *state;
+        PoreBalance { initial, inflow, exchanged, stored, moved }
     }
 }
 
@@ -395,11 +407,15 @@ fn holders(boundaries: &[PoreBoundary], storage: &[f64]) -> Result<Vec<Option<(u
             let range = "that of a vertex with pores";
             check(has_pores, &place, "number of a vertex", f64::from(vertex), range)?;
             check(true, &place, "factor of a vertex", factor, "finite")?;
-            if let Drive::Pressure(_) = boundary.drive
-                && let Some((other, _)) = holders[vertex as usize].replace((number, factor))
-            {
-                let sources = [boundaries[other as usize].key, boundary.key];
-                return Err(FluidError::SharedVertex { vertex, sources });
+            let Drive::Pressure(_) = boundary.drive else { continue };
+            match holders[vertex as usize] {
+                None => holders[vertex as usize] = Some((number, factor)),
+                // The corner of two surfaces with the same pressure belongs to the first one.
+                Some((other, of)) if of == factor && boundaries[other as usize].drive == boundary.drive => {}
+                Some((other, _)) => {
+                    let sources = [boundaries[other as usize].key, boundary.key];
+                    return Err(FluidError::SharedVertex { vertex, sources });
+                }
             }
         }
     }

@@ -14,6 +14,7 @@ use crate::cell::{Cell, Opened, Place, Shape};
 use crate::error::{FluidError, check};
 use crate::fluid::Fluid;
 use crate::ldl::Ldl;
+use crate::outlet::Outlet;
 use crate::source::{Drive, Source};
 use crate::state::{Balance, NetworkState};
 use crate::storage::Storage;
@@ -521,6 +522,41 @@ impl<const D: usize> Network<D> {
             drained: state.drained,
             stored: sum(&state.mass),
             missed: state.missed,
+        }
+    }
+
+    /// Wet cells, in the order of their keys, as pores see them.
+    pub(crate) fn outlets(&self) -> Vec<Outlet<D>> {
+        let fluid = &self.model.fluid.state;
+        let (lowest, density) = (fluid.lowest_pressure(), fluid.reference_density());
+        let of = |row: usize| {
+            let (pressure, mass, storage) =
+                (self.state.pressure[row], self.state.mass[row], self.storage(row));
+            let [full, slope] = storage.mass(fluid, pressure);
+            let empty = if pressure > lowest { 0.0 } else { (full - mass).max(0.0) / density };
+            let (vertices, capacity, held) = (self.cells[row].corners, slope / density, mass / density);
+            Outlet { row, vertices, pressure, capacity, held, empty }
+        };
+        (0..self.cells.len()).filter(|row| self.opened[*row].is_wet).map(of).collect()
+    }
+
+    /// Takes volumes out of wet cells into pores, m³ at the reference density: no more than they have. The
+    /// volume is part of the mass that has leaked.
+    pub(crate) fn lose(&mut self, losses: &[(Outlet<D>, f64)]) {
+        let fluid = self.model.fluid.state;
+        let lowest = fluid.lowest_pressure();
+        for (outlet, volume) in losses {
+            let row = outlet.row;
+            let lost = fluid.reference_density() * volume;
+            self.state.mass[row] -= lost;
+            self.state.leaked += lost;
+            if outlet.pressure > lowest {
+                // The next step finds it by the mass.
+                self.state.pressure[row] = (outlet.pressure - volume / outlet.capacity).max(lowest);
+            }
+            if self.state.mass[row] > 0.0 {
+                self.state.wet_since[row] = self.state.wet_since[row].min(self.state.time);
+            }
         }
     }
 

@@ -80,7 +80,7 @@ pub struct Balance {
     pub initial: f64,
     /// Mass that all sources have injected, less the mass that they have taken out.
     pub injected: f64,
-    /// Mass that has leaked off through the walls.
+    /// Mass that has leaked off through the walls, or into pores less the mass out of them.
     pub leaked: f64,
     /// Mass that was taken out with cells: [`Network::drain`](crate::Network::drain).
     pub drained: f64,

@@ -18,6 +18,8 @@ pub struct MatrixState {
     pub time: f64,
     /// Content at the beginning, m³.
     pub initial: f64,
+    /// Volume that has come out of cracks, m³.
+    pub exchanged: f64,
     /// Sum of the sizes of all volumes that have come in or gone out, m³.
     pub moved: f64,
 }
@@ -25,7 +27,7 @@ pub struct MatrixState {
 impl MatrixState {
     /// Whether all columns have their lengths, and all numbers are finite.
     pub(crate) fn is_sound(&self, vertices: usize, boundaries: usize) -> bool {
-        let totals = [self.time, self.initial, self.moved];
+        let totals = [self.time, self.initial, self.exchanged, self.moved];
         let columns = [&self.content[..], &self.pressure, &self.inflow, &totals];
         self.content.len() == vertices
             && self.pressure.len() == vertices
@@ -41,6 +43,8 @@ pub struct PoreBalance {
     pub initial: f64,
     /// Volume that has come in through all boundaries, less the volume that has gone out.
     pub inflow: f64,
+    /// Volume that has come out of cracks, less the volume that has gone into them.
+    pub exchanged: f64,
     /// Content now.
     pub stored: f64,
     /// Sum of the sizes of all volumes that have come in or gone out.
@@ -48,8 +52,8 @@ pub struct PoreBalance {
 }
 
 impl PoreBalance {
-    /// Volume that is not accounted for: `initial + inflow - stored`, m³.
+    /// Volume that is not accounted for: `initial + inflow + exchanged - stored`, m³.
     pub fn error(&self) -> f64 {
-        self.initial + self.inflow - self.stored
+        self.initial + self.inflow + self.exchanged - self.stored
     }
 }

@@ -12,6 +12,8 @@ mod cavities;
 mod coupled;
 /// Bits: order of the cells, saved states.
 mod determinism;
+/// Flow between cracks and pores.
+mod exchange;
 /// Fronts, lag, gravity in cells that are not full, walls that move.
 mod filling;
 /// Leak-off, and the balance of the mass.

@@ -6,15 +6,15 @@ use crate::common::{assert_close, random};
 use fdem_fluid::*;
 
 /// A body with pores.
-struct Body<const D: usize, const N: usize> {
-    places: Vec<[f64; D]>,
+pub(crate) struct Body<const D: usize, const N: usize> {
+    pub(crate) places: Vec<[f64; D]>,
     elements: Vec<PorousElement<N>>,
     material: PorousMaterial<D>,
     liquid: PoreLiquid<D>,
 }
 
 impl<const D: usize, const N: usize> Body<D, N> {
-    fn matrix(&self, boundaries: Vec<PoreBoundary>, initial: &[f64]) -> PorousMatrix<D, N> {
+    pub(crate) fn matrix(&self, boundaries: Vec<PoreBoundary>, initial: &[f64]) -> PorousMatrix<D, N> {
         let materials = vec![self.material];
         let elements = self.elements.clone();
         PorousMatrix::new(&self.liquid, 1.0, &self.places, elements, materials, boundaries, initial)
@@ -38,7 +38,7 @@ fn sandstone<const D: usize>() -> PorousMaterial<D> {
 }
 
 /// The unit square of `k` by `k` squares, each of two triangles; vertices inside are moved by a part of them.
-fn square(k: u32, moved: f64) -> Body<2, 3> {
+pub(crate) fn square(k: u32, moved: f64) -> Body<2, 3> {
     let size = f64::from(k);
     let place = |number: u32| {
         let at = [number % (k + 1), number / (k + 1)];
@@ -361,8 +361,11 @@ fn bad_pores_are_refused() {
     assert!(refused(&|body, _| body.liquid.viscosity = 0.0).contains("viscosity"));
     assert!(refused(&|_, boundaries| boundaries[0].vertices[0] = 99).contains("boundary 3"));
     assert!(refused(&|_, boundaries| boundaries.push(boundaries[0].clone())).contains("two of boundary 3"));
+    // The same pressure in two boundaries is no contradiction.
+    let equal = body.held(3, vec![0, 1], |_| 0.0);
+    body.matrix(vec![equal.clone(), PoreBoundary { key: 4, ..equal }], &[]);
     let shared = |_: &mut Body<2, 3>, boundaries: &mut Vec<PoreBoundary>| {
-        boundaries.push(PoreBoundary { key: 4, ..boundaries[0].clone() });
+        boundaries.push(PoreBoundary { key: 4, factors: vec![1.0; 2], ..boundaries[0].clone() });
     };
     assert!(refused(&shared).contains("boundaries 3 and 4"));
     let mut matrix = body.matrix(Vec::new(), &[]);
