@@ -9,6 +9,8 @@
 #include "sums.h"
 #include "laws.h"
 #include "joints.h"
+#include "watch.h"
+#include "patch.h"
 #include "step.h"
 
 // Several builds are linked into one program, so the name begins with that of the build.

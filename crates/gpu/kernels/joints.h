@@ -284,6 +284,8 @@ struct Joints {
     double step;
     u64 count;
     u64 blocks;
+    // Joints for which the columns have room.
+    u64 stride;
 };
 
 // Twin of `faded_at` in `joints/joint.rs`.
@@ -293,17 +295,17 @@ template <int D> INLINE double faded_at(const double *slid, double of_joint) {
 
 // Computes a joint. Returns whether it stays of its kind; otherwise nothing is written.
 template <int D> INLINE bool pull_joint(const Joints &a, u64 joint, u32 marks, double *work) {
-    const u64 count = a.count;
+    const u64 stride = a.stride;
     const double *numbers = a.laws + joint;
     JointLaw<D> law;
     law.penalty = numbers[0];
-    law.tensile = numbers[count];
-    law.cohesion = numbers[2 * count];
-    law.friction = numbers[3 * count];
-    law.critical[0] = numbers[4 * count];
-    law.critical[1] = numbers[5 * count];
-    const double share = numbers[6 * count], of_joint = numbers[7 * count], faded = numbers[8 * count];
-    for (int axis = 0; axis < D; ++axis) law.normal[axis] = numbers[(9 + axis) * count];
+    law.tensile = numbers[stride];
+    law.cohesion = numbers[2 * stride];
+    law.friction = numbers[3 * stride];
+    law.critical[0] = numbers[4 * stride];
+    law.critical[1] = numbers[5 * stride];
+    const double share = numbers[6 * stride], of_joint = numbers[7 * stride], faded = numbers[8 * stride];
+    for (int axis = 0; axis < D; ++axis) law.normal[axis] = numbers[(9 + axis) * stride];
     double sums[D][D], apart[D][D], rates[D][D], axes[D][D], found[D][D], slid[D];
     Memory<D> memories[D];
     for (int end = 0; end < D; ++end) {
@@ -315,7 +317,7 @@ template <int D> INLINE bool pull_joint(const Joints &a, u64 joint, u32 marks, d
             rates[end][axis] = a.velocities[(u64)nodes[1] * D + axis] - a.velocities[(u64)nodes[0] * D + axis];
         }
         double *memory = (double *)&memories[end];
-        for (int k = 0; k < 3 + 2 * D; ++k) memory[k] = a.memories[(end * (3 + 2 * D) + k) * count + joint];
+        for (int k = 0; k < 3 + 2 * D; ++k) memory[k] = a.memories[(end * (3 + 2 * D) + k) * stride + joint];
         slid[end] = 0.0;
     }
     unit_axes(sums, axes);
@@ -360,7 +362,7 @@ template <int D> INLINE bool pull_joint(const Joints &a, u64 joint, u32 marks, d
         for (int axis = 0; axis < D; ++axis) a.forces[(joint * D + end) * D + axis] = found[end][axis];
         if (is_whole) continue;
         const double *memory = (const double *)&memories[end];
-        for (int k = 0; k < 3 + 2 * D; ++k) a.memories[(end * (3 + 2 * D) + k) * count + joint] = memory[k];
+        for (int k = 0; k < 3 + 2 * D; ++k) a.memories[(end * (3 + 2 * D) + k) * stride + joint] = memory[k];
     }
     return true;
 }

@@ -1,6 +1,7 @@
 // The phases of a step: elements, then nodes.
 #pragma once
 #include "laws.h"
+#include "watch.h"
 
 struct SolidElements {
     // Relative to the origin, m, and half a step before, m/s; by node, then by axis.
@@ -30,6 +31,7 @@ struct SolidElements {
     u32 *inverted;
     double step;
     u64 count;
+    Watched watched;
 };
 
 template <int D> INLINE Matrix<D> edges_of(const double *values, const u32 *corners) {
@@ -77,6 +79,7 @@ template <int D> INLINE void solid_deform(const SolidElements &a, u32 block) {
         }
         set_tensor(a.stresses, element, found.stress);
         a.energies[element] = found.energy;
+        if (a.watched.noted) find_moved(a.watched, element, state.edges, found.stress);
         const bool is_sound = found.ratio > 0.0;
         if (!is_sound) set_flag(a.inverted);
         for (int k = 0; k < (D + 1) * D; ++k) {

@@ -38,6 +38,22 @@ impl<M, T: Pod> Array<M, T> {
         Ok(self.address(device))
     }
 
+    /// Makes room for more numbers, and for a quarter more than that. Returns the former memory and its room,
+    /// if there was less, so that its numbers can be copied.
+    pub(crate) fn extend(
+        &mut self,
+        device: &impl Device<Memory = M>,
+        count: usize,
+    ) -> Result<Option<(M, usize)>, GpuError> {
+        if self.memory.is_some() && count <= self.room {
+            return Ok(None);
+        }
+        let mut larger = Self::new();
+        larger.resize(device, count + count / 4)?;
+        let former = std::mem::replace(self, larger);
+        Ok(former.memory.map(|memory| (memory, former.room)))
+    }
+
     /// Where the numbers are; 0 if there are none.
     pub(crate) fn address(&self, device: &impl Device<Memory = M>) -> Address {
         self.memory.as_ref().map_or(0, |memory| device.address(memory))

@@ -1,12 +1,14 @@
 //! Joints of a simulation on a device.
 
-use fdem_simulation::{EndMemory, JointColumns, JointMemories};
+use fdem_simulation::{EndMemory, FlatLaw, JointColumns, JointMemories, JointPatch};
 
 use crate::array::Array;
 use crate::device::Device;
 use crate::error::GpuError;
-use crate::kernels::{JointArguments, Kernel, NumberArguments, THREADS};
+use crate::kernels::{Address, JointArguments, Kernel, NumberArguments, THREADS};
+use crate::patch::{Columns, Rows, grow, stretch};
 use crate::primitives::launch;
+use crate::watch::MarkedList;
 
 /// Bits of the marks of a joint in the kernels, beside its kind.
 const COUNTED: u32 = 4;
@@ -16,16 +18,19 @@ const OPEN: u32 = 16;
 /// The joints of a run.
 pub(crate) struct DeviceJoints<M, const D: usize> {
     pub(crate) count: usize,
+    /// Joints for which columns have room: one begins so many numbers after the other.
+    stride: usize,
     nodes: Array<M, u32>,
     marks: Array<M, u32>,
     laws: Array<M, f64>,
     memories: Array<M, f64>,
     pub(crate) forces: Array<M, f64>,
     /// Ends of joints at each corner.
-    pub(crate) at_corner: Array<M, u32>,
+    at_corner: Array<M, u32>,
     /// Joints that the host is to compute, and whether there are any.
     left: Array<M, u32>,
     any_left: Array<M, u32>,
+    list: MarkedList<M>,
     sums: Array<M, f64>,
 }
 
@@ -36,6 +41,7 @@ impl<M, const D: usize> DeviceJoints<M, D> {
     pub(crate) const fn new() -> Self {
         Self {
             count: 0,
+            stride: 0,
             nodes: Array::new(),
             marks: Array::new(),
             laws: Array::new(),
@@ -44,6 +50,7 @@ impl<M, const D: usize> DeviceJoints<M, D> {
             at_corner: Array::new(),
             left: Array::new(),
             any_left: Array::new(),
+            list: MarkedList::new(),
             sums: Array::new(),
         }
     }
@@ -59,39 +66,24 @@ impl<M, const D: usize> DeviceJoints<M, D> {
         device: &impl Device<Memory = M>,
         joints: &JointColumns<D>,
     ) -> Result<(), GpuError> {
-        self.count = joints.kinds.len();
-        if self.count == 0 {
-            *self = Self::new();
-            return Ok(());
-        }
+        (self.count, self.stride) = (joints.kinds.len(), joints.kinds.len());
+        self.at_corner.write_some(device, joints.at_corner.as_flattened())?;
         self.nodes.write(device, joints.nodes.as_flattened().as_flattened())?;
-        let marks = |k: usize| {
-            let flag = |set: bool, bit: u32| if set { bit } else { 0 };
-            let open = joints.open[k].iter().enumerate().map(|(end, open)| flag(*open, OPEN << end));
-            let of_joint = flag(joints.counted[k], COUNTED) | flag(joints.broken[k], BROKEN);
-            joints.kinds[k] as u32 | of_joint | open.fold(0, |all, bit| all | bit)
-        };
-        self.marks.write(device, &(0..self.count).map(marks).collect::<Vec<_>>())?;
-        let laws: Vec<f64> = (0..9 + D)
-            .flat_map(|number| {
-                joints.laws.iter().map(move |law| match number {
-                    0 => law.penalty,
-                    1 => law.tensile,
-                    2 => law.cohesion,
-                    3 => law.friction,
-                    4 | 5 => law.critical[number - 4],
-                    6 => law.share,
-                    7 => law.length,
-                    8 => law.faded,
-                    axis => law.normal[axis - 9],
-                })
-            })
-            .collect();
-        self.laws.write(device, &laws)?;
-        self.at_corner.write(device, joints.at_corner.as_flattened())?;
-        self.left.resize(device, self.count)?;
-        self.sums.resize(device, 2 * self.blocks())?;
+        self.marks.write(device, &marks_of(joints))?;
+        self.laws.write(device, &numbers_of(&joints.laws))?;
+        self.make_room(device)
+    }
+
+    /// Makes room for the results of a pass.
+    fn make_room(&mut self, device: &impl Device<Memory = M>) -> Result<(), GpuError> {
+        self.left.resize(device, self.stride)?;
+        self.sums.resize(device, 2 * self.stride.div_ceil(THREADS))?;
         Ok(())
+    }
+
+    /// Ends of joints at each corner; 0 without joints.
+    pub(crate) fn ends(&self, device: &impl Device<Memory = M>) -> Address {
+        if self.count == 0 { 0 } else { self.at_corner.address(device) }
     }
 
     /// Takes the state of the joints over.
@@ -100,34 +92,71 @@ impl<M, const D: usize> DeviceJoints<M, D> {
         device: &impl Device<Memory = M>,
         joints: &JointMemories<D>,
     ) -> Result<(), GpuError> {
-        if self.count == 0 {
-            return Ok(());
-        }
-        let mut memories = vec![0.0; D * Self::MEMORY * self.count];
-        for (joint, ends) in joints.ends.iter().enumerate() {
-            for (end, of) in ends.iter().enumerate() {
-                let numbers = of.damages.into_iter().chain([of.stiffness]).chain(of.origin).chain(of.rubbed);
-                for (k, number) in numbers.enumerate() {
-                    memories[(end * Self::MEMORY + k) * self.count + joint] = number;
-                }
-            }
-        }
-        self.memories.write(device, &memories)?;
+        self.memories.write(device, &memory_numbers(&joints.ends))?;
         self.forces.write(device, joints.forces.as_flattened().as_flattened())?;
         Ok(())
     }
 
-    /// The state of the joints.
-    pub(crate) fn read(&self, device: &impl Device<Memory = M>) -> Result<JointMemories<D>, GpuError> {
-        let mut joints = JointMemories::default();
-        if self.count == 0 {
-            return Ok(joints);
+    /// The columns of the numbers of laws, and of memories.
+    fn columns(stride: usize) -> [Columns; 2] {
+        [9 + D, D * Self::MEMORY].map(|columns| Columns { columns, stride })
+    }
+
+    /// Takes changes of joints over.
+    pub(crate) fn patch<V: Device<Memory = M>>(
+        &mut self,
+        device: &V,
+        rows: &mut Rows<M>,
+        patch: &JointPatch<D>,
+    ) -> Result<(), GpuError> {
+        if patch.count > self.stride {
+            let stride = patch.count + patch.count / 4;
+            let ([of_laws, of_memories], now) = (Self::columns(self.stride), Self::columns(stride));
+            stretch(device, &mut self.laws, [of_laws, now[0]], self.count)?;
+            stretch(device, &mut self.memories, [of_memories, now[1]], self.count)?;
+            grow(device, &mut self.nodes, 2 * D * stride)?;
+            grow(device, &mut self.marks, stride)?;
+            grow(device, &mut self.forces, D * D * stride)?;
+            self.stride = stride;
+            self.make_room(device)?;
         }
-        let mut memories = vec![0.0; D * Self::MEMORY * self.count];
-        self.memories.read(device, 0, &mut memories)?;
+        self.count = patch.count;
+        let [of_laws, of_memories] = Self::columns(self.stride);
+        let JointPatch { columns, memories, .. } = patch;
+        rows.choose(device, &patch.joints)?;
+        rows.write(device, &self.nodes, Columns::ONE, columns.nodes.as_flattened().as_flattened())?;
+        rows.write(device, &self.marks, Columns::ONE, &marks_of(columns))?;
+        rows.write(device, &self.laws, of_laws, &numbers_of(&columns.laws))?;
+        rows.write(device, &self.memories, of_memories, &memory_numbers(&memories.ends))?;
+        rows.write(device, &self.forces, Columns::ONE, memories.forces.as_flattened().as_flattened())?;
+        rows.choose(device, &patch.corners)?;
+        rows.write(device, &self.at_corner, Columns::ONE, columns.at_corner.as_flattened())
+    }
+
+    /// The state of some joints; all of them without a list.
+    pub(crate) fn read(
+        &self,
+        device: &impl Device<Memory = M>,
+        some: Option<(&[u32], &mut Rows<M>)>,
+    ) -> Result<JointMemories<D>, GpuError> {
+        let [_, columns] = Self::columns(self.stride);
+        let count = some.as_ref().map_or(self.count, |(joints, _)| joints.len());
+        let mut forces = vec![[[0.0; D]; D]; count];
+        let mut numbers = vec![0.0; D * Self::MEMORY * count];
+        let stride = if let Some((joints, rows)) = some {
+            rows.choose(device, joints)?;
+            rows.read(device, &self.memories, columns, &mut numbers)?;
+            rows.read(device, &self.forces, Columns::ONE, forces.as_flattened_mut().as_flattened_mut())?;
+            count
+        } else {
+            numbers.resize(D * Self::MEMORY * self.stride, 0.0);
+            self.memories.read(device, 0, &mut numbers)?;
+            self.forces.read(device, 0, forces.as_flattened_mut().as_flattened_mut())?;
+            self.stride
+        };
         let ends = |joint: usize| {
             std::array::from_fn(|end| {
-                let number = |k: usize| memories[(end * Self::MEMORY + k) * self.count + joint];
+                let number = |k: usize| numbers[(end * Self::MEMORY + k) * stride + joint];
                 EndMemory {
                     damages: [number(0), number(1)],
                     stiffness: number(2),
@@ -136,10 +165,7 @@ impl<M, const D: usize> DeviceJoints<M, D> {
                 }
             })
         };
-        joints.ends = (0..self.count).map(ends).collect();
-        joints.forces = vec![[[0.0; D]; D]; self.count];
-        self.forces.read(device, 0, joints.forces.as_flattened_mut().as_flattened_mut())?;
-        Ok(joints)
+        Ok(JointMemories { ends: (0..count).map(ends).collect(), forces })
     }
 
     /// Computes the joints from the positions and velocities of the nodes. Returns where the parts of their
@@ -166,6 +192,7 @@ impl<M, const D: usize> DeviceJoints<M, D> {
             step,
             count: self.count as u64,
             blocks: self.blocks() as u64,
+            stride: self.stride as u64,
         };
         let kernel = if D == 2 { Kernel::PullJoints2 } else { Kernel::PullJoints3 };
         launch(device, kernel, self.count, &arguments)?;
@@ -173,16 +200,56 @@ impl<M, const D: usize> DeviceJoints<M, D> {
     }
 
     /// The joints that the host is to compute after the last pass.
-    pub(crate) fn left(&self, device: &impl Device<Memory = M>) -> Result<Vec<u32>, GpuError> {
+    pub(crate) fn left(&mut self, device: &impl Device<Memory = M>) -> Result<Vec<u32>, GpuError> {
         let mut any = [0];
         self.any_left.read(device, 0, &mut any)?;
         if any == [0] {
             return Ok(Vec::new());
         }
-        let mut marks = vec![0; self.count];
-        self.left.read(device, 0, &mut marks)?;
-        Ok((0..).zip(&marks).filter(|(_, mark)| **mark != 0).map(|(joint, _)| joint).collect())
+        self.list.of(device, self.left.address(device), self.count)
     }
+}
+
+/// The kinds of joints, with bits for their marks.
+fn marks_of<const D: usize>(joints: &JointColumns<D>) -> Vec<u32> {
+    let marks = |k: usize| {
+        let flag = |set: bool, bit: u32| if set { bit } else { 0 };
+        let open = joints.open[k].iter().enumerate().map(|(end, open)| flag(*open, OPEN << end));
+        let of_joint = flag(joints.counted[k], COUNTED) | flag(joints.broken[k], BROKEN);
+        joints.kinds[k] as u32 | of_joint | open.fold(0, |all, bit| all | bit)
+    };
+    (0..joints.kinds.len()).map(marks).collect()
+}
+
+/// The numbers of laws, one column after the other.
+fn numbers_of<const D: usize>(laws: &[FlatLaw<D>]) -> Vec<f64> {
+    let number = |law: &FlatLaw<D>, number: usize| match number {
+        0 => law.penalty,
+        1 => law.tensile,
+        2 => law.cohesion,
+        3 => law.friction,
+        4 | 5 => law.critical[number - 4],
+        6 => law.share,
+        7 => law.length,
+        8 => law.faded,
+        axis => law.normal[axis - 9],
+    };
+    (0..9 + D).flat_map(|column| laws.iter().map(move |law| number(law, column))).collect()
+}
+
+/// The numbers of the memories of joints, one column after the other.
+fn memory_numbers<const D: usize>(ends: &[[EndMemory<D>; D]]) -> Vec<f64> {
+    let columns = D * (3 + 2 * D);
+    let mut numbers = vec![0.0; columns * ends.len()];
+    for (joint, of_joint) in ends.iter().enumerate() {
+        let of_end = |of: &EndMemory<D>| {
+            of.damages.into_iter().chain([of.stiffness]).chain(of.origin).chain(of.rubbed)
+        };
+        for (column, number) in of_joint.iter().flat_map(of_end).enumerate() {
+            numbers[column * ends.len() + joint] = number;
+        }
+    }
+    numbers
 }
 
 /// Computes the tractions of ends of joints with a common law, in two or three dimensions: the numbers of

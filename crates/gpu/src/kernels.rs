@@ -90,6 +90,8 @@ kernels! {
     GatherRows3 = gather_rows_3,
     SolidMove2 = solid_move_2,
     SolidMove3 = solid_move_3,
+    MoveRows = move_rows,
+    ListMarked = list_marked,
 }
 
 /// The text of all kernels, for the compiler of a device.
@@ -105,6 +107,8 @@ pub fn source() -> String {
         include_str!("../kernels/sums.h"),
         include_str!("../kernels/laws.h"),
         include_str!("../kernels/joints.h"),
+        include_str!("../kernels/watch.h"),
+        include_str!("../kernels/patch.h"),
         include_str!("../kernels/step.h"),
     ];
     let lines = files.iter().flat_map(|file| file.lines());
@@ -307,6 +311,40 @@ pub(crate) struct SolidElementArguments {
     pub(crate) inverted: Address,
     pub(crate) step: f64,
     pub(crate) count: u64,
+    pub(crate) watched: WatchArguments,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct WatchArguments {
+    pub(crate) noted: Address,
+    pub(crate) limits: Address,
+    pub(crate) moved: Address,
+    pub(crate) awake: Address,
+    pub(crate) any_awake: Address,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct MovedRowArguments {
+    pub(crate) from: Address,
+    pub(crate) to: Address,
+    pub(crate) from_rows: Address,
+    pub(crate) to_rows: Address,
+    pub(crate) from_stride: u64,
+    pub(crate) to_stride: u64,
+    pub(crate) rows: u64,
+    pub(crate) columns: u64,
+    pub(crate) words: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct MarkedArguments {
+    pub(crate) marks: Address,
+    pub(crate) before: Address,
+    pub(crate) list: Address,
+    pub(crate) count: u64,
 }
 
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -384,6 +422,7 @@ pub(crate) struct JointArguments {
     pub(crate) step: f64,
     pub(crate) count: u64,
     pub(crate) blocks: u64,
+    pub(crate) stride: u64,
 }
 
 #[derive(Clone, Copy, Pod, Zeroable)]

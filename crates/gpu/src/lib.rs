@@ -18,9 +18,10 @@
 //! - [`DeviceSolid`] computes phases of a step for a simulation of fdem-simulation, which
 //!   [`put_on`](fdem_simulation::Simulation::put_on) hands over to it: elements with initial stress and
 //!   viscosity, joints that are whole or soften, forces on corners, supports and prescribed motions, gravity,
-//!   damping, and all sums of energies and works. The processor computes the rest of such a run: contacts,
-//!   loads, and joints in the step in which they begin to soften, break, or are handed over to contact. The
-//!   run can go back at any step.
+//!   damping, and all sums of energies and works. It finds the elements whose facets may fail. The processor
+//!   computes the rest of such a run: contacts, loads, joints in the step in which they begin to soften,
+//!   break, or are handed over to contact, insertion and splitting. The device sends the rows of its arrays
+//!   that these need, and takes changed rows over (`patch.rs`). The run can go back at any step.
 //!
 //! # Sums
 //!
@@ -44,6 +45,7 @@
 //! | `laws.h`: `stress`, `cube_root` | `simplex/triangle/elastic.rs`, `simplex/tetrahedron/elastic.rs` | `laws.rs` |
 //! | `laws.h`: `viscous_stress` | `solid/viscous.rs` | `laws.rs` |
 //! | `laws.h`: `deform`, `forces_of` | `solid/batch.rs` | `laws.rs` |
+//! | `watch.h`: `find_moved` | `solid/watch.rs` | `steps.rs` |
 //! | `step.h`: `solid_deform` | `solid.rs`, `Solid::deform` | `steps.rs` |
 //! | `step.h`: `add_forces` | `machine/threads.rs` | `steps.rs` |
 //! | `step.h`: `move_node`, `damping`, `local_damping` | `motion/nodes.rs` | `steps.rs` |
@@ -67,10 +69,12 @@ mod host;
 mod index;
 mod joints;
 pub mod kernels;
+mod patch;
 mod primitives;
 mod rows;
 mod solid;
 mod sorted;
+mod watch;
 
 #[cfg(feature = "cuda")]
 pub use cuda::{Cuda, CudaMemory, DeviceInfo, compile, devices, opened};

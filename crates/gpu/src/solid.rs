@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use bytemuck::cast_slice;
 use fdem_simulation::{
-    Accelerator, DeviceSum, FromDevice, HeldNode, JointColumns, JointMemories, NodeMotion, NodeSums, Pulled,
-    SUM_PARTS, SolidColumns, SolidState,
+    Accelerator, DeviceSum, ElementValues, FromDevice, HeldNode, JointColumns, JointMemories, JointPatch,
+    NodeMotion, NodeSums, NotedState, Pulled, SUM_PARTS, SolidColumns, SolidPatch, SolidState,
 };
 
 use crate::array::Array;
@@ -17,7 +17,9 @@ use crate::kernels::{
     CornerForceArguments, ExactSumArguments, GatheredArguments, Kernel, LargestArguments,
     SolidElementArguments, SolidNodeArguments, THREADS,
 };
+use crate::patch::{Columns, Rows, grow};
 use crate::primitives::{launch, launch_blocks};
+use crate::watch::DeviceWatch;
 
 /// Sums over the motion of all nodes, and largest numbers.
 const SUMS: usize = 7;
@@ -71,8 +73,13 @@ pub struct DeviceSolid<V: Device, const D: usize, const N: usize> {
     /// Sums and largest numbers of the blocks of nodes.
     sums: Array<V::Memory, f64>,
     mosts: Array<V::Memory, f64>,
-    /// Whether an element is inverted, and whether a node is too fast.
+    /// Whether an element is inverted, whether one is awake, and whether a node is too fast.
     flags: Array<V::Memory, u32>,
+    /// Elements whose facets may fail, and whether any may by the last deformation.
+    watch: DeviceWatch<V::Memory, D>,
+    any_awake: bool,
+    /// Rows that the host reads or changes.
+    rows: Rows<V::Memory>,
     /// The parts of all sums, then the bits of the largest numbers.
     report: Array<V::Memory, u64>,
 }
@@ -126,6 +133,9 @@ impl<V: Device, const D: usize, const N: usize> DeviceSolid<V, D, N> {
             sums: Array::new(),
             mosts: Array::new(),
             flags: Array::new(),
+            watch: DeviceWatch::new(),
+            any_awake: false,
+            rows: Rows::new(),
             report: Array::new(),
         }
     }
@@ -133,6 +143,14 @@ impl<V: Device, const D: usize, const N: usize> DeviceSolid<V, D, N> {
     /// The kernel for these dimensions.
     fn of<T>(plane: T, space: T) -> T {
         if D == 2 { plane } else { space }
+    }
+
+    /// Makes room for the sums over nodes.
+    fn make_sums(&mut self) -> Result<(), GpuError> {
+        let blocks = self.nodes.div_ceil(THREADS);
+        self.sums.resize(&*self.device, 2 * SUMS * blocks)?;
+        self.mosts.resize(&*self.device, MOSTS * blocks)?;
+        self.make_report()
     }
 
     /// Makes room for the report.
@@ -212,11 +230,8 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
         self.viscosities.write_some(device, &solid.viscosities)?;
         self.ranges.write(device, solid.ranges.as_flattened())?;
         self.corners.write(device, &solid.corners)?;
-        let blocks = self.nodes.div_ceil(THREADS);
-        self.sums.resize(device, 2 * SUMS * blocks)?;
-        self.mosts.resize(device, MOSTS * blocks)?;
-        self.make_report()?;
-        Ok(())
+        self.watch = DeviceWatch::new();
+        Ok(self.make_sums()?)
     }
 
     fn load_joints(&mut self, joints: &JointColumns<D>) -> FromDevice<()> {
@@ -238,7 +253,7 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
         self.energies.write(device, &solid.energies)?;
         self.viscous.write_some(device, solid.viscous.as_flattened().as_flattened())?;
         self.dissipated.write_some(device, &solid.dissipated)?;
-        self.flags.write(device, &[0; 2])?;
+        self.flags.write(device, &[0; 3])?;
         Ok(())
     }
 
@@ -264,7 +279,7 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
             self.viscous.read(device, 0, state.viscous.as_flattened_mut().as_flattened_mut())?;
             self.dissipated.read(device, 0, &mut state.dissipated)?;
         }
-        Ok((state, self.joints.read(device)?))
+        Ok((state, self.joints.read(device, None)?))
     }
 
     fn deform(&mut self, step: f64) -> FromDevice<bool> {
@@ -288,11 +303,13 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
             inverted: self.flags.address(device),
             step,
             count: self.elements as u64,
+            watched: self.watch.arguments(device, self.flags.address(device) + size_of::<u32>() as u64),
         };
         launch(device, Self::of(Kernel::SolidDeform2, Kernel::SolidDeform3), self.elements, &arguments)?;
-        let mut inverted = [0];
-        self.flags.read(device, 0, &mut inverted)?;
-        Ok(inverted == [0])
+        let mut flags = [0; 2];
+        self.flags.read(device, 0, &mut flags)?;
+        self.any_awake = flags[1] != 0;
+        Ok(flags[0] == 0)
     }
 
     fn pull(&mut self, step: f64, grains: [f64; 2]) -> FromDevice<Pulled> {
@@ -345,7 +362,7 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
             ranges: self.ranges.address(device),
             corners: self.corners.address(device),
             forces: self.forces.address(device),
-            ends: self.joints.at_corner.address(device),
+            ends: self.joints.ends(device),
             of_joints: self.joints.forces.address(device),
             places: self.places.address(device),
             held: self.holds.address(device),
@@ -353,7 +370,7 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
             reactions: self.reactions.address(device),
             sums: self.sums.address(device),
             mosts: self.mosts.address(device),
-            runaway: self.flags.address(device) + size_of::<u32>() as u64,
+            runaway: self.flags.address(device) + 2 * size_of::<u32>() as u64,
             gravity: in_space(motion.gravity),
             origin: in_space(self.origin),
             grains: motion.grains,
@@ -378,7 +395,7 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
         let (mut report, mut runaway) = (vec![0; parts + MOSTS], [0]);
         let mut held = vec![[[0.0; D]; 2]; self.held];
         self.report.read(device, 0, &mut report)?;
-        self.flags.read(device, 1, &mut runaway)?;
+        self.flags.read(device, 2, &mut runaway)?;
         if self.held > 0 {
             self.reactions.read(device, 0, held.as_flattened_mut().as_flattened_mut())?;
         }
@@ -410,6 +427,79 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
             self.gathered.read(device, 0, found.as_flattened_mut())?;
         }
         Ok(found)
+    }
+
+    fn note(&mut self, elements: &[u32], states: &[NotedState<D>]) -> FromDevice<()> {
+        let device = &*self.device;
+        self.rows.choose(device, elements)?;
+        Ok(self.watch.note(device, &mut self.rows, states, self.elements)?)
+    }
+
+    fn awake(&mut self) -> FromDevice<Vec<u32>> {
+        if !std::mem::take(&mut self.any_awake) {
+            return Ok(Vec::new());
+        }
+        let device = &*self.device;
+        self.flags.write(device, &[0; 3])?;
+        Ok(self.watch.awake(device, self.elements)?)
+    }
+
+    fn read_elements(&mut self, elements: &[u32]) -> FromDevice<ElementValues<D, N>> {
+        let (device, count) = (&*self.device, elements.len());
+        let mut values = ElementValues {
+            stresses: vec![[[0.0; D]; D]; count],
+            forces: vec![[[0.0; D]; N]; count],
+            moved: vec![0.0; if self.watch.is_empty() { 0 } else { count }],
+        };
+        let (stresses, forces) = (values.stresses.as_flattened_mut(), values.forces.as_flattened_mut());
+        self.rows.choose(device, elements)?;
+        self.rows.read(device, &self.stresses, Columns::ONE, stresses.as_flattened_mut())?;
+        self.rows.read(device, &self.forces, Columns::ONE, forces.as_flattened_mut())?;
+        self.watch.moved(device, &mut self.rows, &mut values.moved)?;
+        Ok(values)
+    }
+
+    fn read_joints(&mut self, joints: &[u32]) -> FromDevice<JointMemories<D>> {
+        Ok(self.joints.read(&*self.device, Some((joints, &mut self.rows)))?)
+    }
+
+    fn patch(&mut self, patch: &SolidPatch<D, N>) -> FromDevice<()> {
+        let (device, rows) = (&*self.device, &mut self.rows);
+        self.nodes = patch.node_count;
+        let (of_hold, held) = (6 * D, self.held);
+        self.held += patch.held.len();
+        for column in [&mut self.positions, &mut self.velocities] {
+            grow(device, column, D * self.nodes)?;
+        }
+        grow(device, &mut self.masses, self.nodes)?;
+        grow(device, &mut self.places, self.nodes)?;
+        grow(device, &mut self.ranges, 2 * self.nodes)?;
+        grow(device, &mut self.holds, of_hold * self.held)?;
+        rows.choose(device, &patch.nodes)?;
+        if !patch.true_masses.is_empty() {
+            grow(device, &mut self.true_masses, self.nodes)?;
+            rows.write(device, &self.true_masses, Columns::ONE, &patch.true_masses)?;
+        }
+        rows.write(device, &self.positions, Columns::ONE, patch.positions.as_flattened())?;
+        rows.write(device, &self.velocities, Columns::ONE, patch.velocities.as_flattened())?;
+        rows.write(device, &self.masses, Columns::ONE, &patch.masses)?;
+        rows.write(device, &self.places, Columns::ONE, &patch.places)?;
+        rows.write(device, &self.ranges, Columns::ONE, patch.ranges.as_flattened())?;
+        let places: Vec<u32> = patch.ranges.iter().flat_map(|[begin, end]| *begin..*end).collect();
+        rows.choose(device, &places)?;
+        rows.write(device, &self.corners, Columns::ONE, &patch.corners)?;
+        rows.choose(device, &patch.elements)?;
+        rows.write(device, &self.of_elements, Columns::ONE, patch.of_elements.as_flattened())?;
+        let holds: Vec<u32> = patch.held.iter().flat_map(words).collect();
+        rows.choose(device, &(held as u32..self.held as u32).collect::<Vec<_>>())?;
+        rows.write(device, &self.holds, Columns::ONE, &holds)?;
+        self.reactions.resize(device, 2 * D * self.held)?;
+        Ok(self.make_sums()?)
+    }
+
+    fn patch_joints(&mut self, patch: &JointPatch<D>) -> FromDevice<()> {
+        self.joints.patch(&*self.device, &mut self.rows, patch)?;
+        Ok(self.make_report()?)
     }
 
     fn energies(&self) -> FromDevice<[DeviceSum; 2]> {

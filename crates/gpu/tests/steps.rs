@@ -2,6 +2,9 @@
 
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "tests")]
 
+#[path = "steps/insertion.rs"]
+mod insertion;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

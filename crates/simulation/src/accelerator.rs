@@ -184,6 +184,76 @@ pub struct EndMemory<const D: usize> {
     pub rubbed: [f64; D],
 }
 
+/// The state of an element in which its facets were checked, and how far it may be from it before they may
+/// fail.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NotedState<const D: usize> {
+    /// Cauchy stress, Pa. Entries below the diagonal are not used.
+    pub stress: [[f32; D]; D],
+    /// Matrix whose columns are the edges from corner 0, m.
+    pub edges: [[f32; D]; D],
+    /// Square of the change of the edges from which on the facets may fail, m².
+    pub shift: f64,
+    /// Change of the stress from which on they may fail, Pa.
+    pub reach: f64,
+}
+
+/// Present values of some elements.
+#[derive(Clone, Debug, Default)]
+pub struct ElementValues<const D: usize, const N: usize> {
+    /// See [`SolidState`].
+    pub stresses: Vec<[[f64; D]; D]>,
+    /// See [`SolidState`].
+    pub forces: Vec<[[f64; D]; N]>,
+    /// Square of the change of the stress from the noted one in the last deformation, Pa²; infinite if the
+    /// edges have changed by more than they may.
+    pub moved: Vec<f64>,
+}
+
+/// Changes of nodes and elements where bodies part. All other values stay.
+#[derive(Clone, Debug)]
+pub struct SolidPatch<const D: usize, const N: usize> {
+    /// Number of nodes from now on.
+    pub node_count: usize,
+    /// The nodes that change, ascending. All nodes that are new are among them.
+    pub nodes: Vec<u32>,
+    /// Of each of these nodes: see [`SolidColumns`]. A new node that is held has one of the new places.
+    pub masses: Vec<f64>,
+    /// See `masses`.
+    pub true_masses: Vec<f64>,
+    /// See `masses`.
+    pub places: Vec<u32>,
+    /// See `masses`.
+    pub ranges: Vec<[u32; 2]>,
+    /// The corners in these ranges, one range after the other.
+    pub corners: Vec<u32>,
+    /// Of each of these nodes: see [`SolidState`].
+    pub positions: Vec<[f64; D]>,
+    /// See `positions`.
+    pub velocities: Vec<[f64; D]>,
+    /// New nodes that are held, whose places follow those before.
+    pub held: Vec<HeldNode<D>>,
+    /// The elements whose nodes change, ascending, and their nodes.
+    pub elements: Vec<u32>,
+    /// See `elements`.
+    pub of_elements: Vec<[u32; N]>,
+}
+
+/// Changes of joints. All other values stay.
+#[derive(Clone, Debug)]
+pub struct JointPatch<const D: usize> {
+    /// Number of joints from now on.
+    pub count: usize,
+    /// The joints that change, ascending. All joints that are new are among them.
+    pub joints: Vec<u32>,
+    /// The columns of these joints. The open ends are those at `corners`.
+    pub columns: JointColumns<D>,
+    /// The state of these joints.
+    pub memories: JointMemories<D>,
+    /// The corners at which ends of joints open.
+    pub corners: Vec<u32>,
+}
+
 /// Results of a pass over all joints.
 #[derive(Clone, Debug)]
 pub struct Pulled {
@@ -310,6 +380,44 @@ pub trait Accelerator<const D: usize, const N: usize>: fmt::Debug + Send {
     /// # Errors
     /// The device has too little memory, or fails.
     fn read_nodes(&mut self, nodes: &[u32]) -> FromDevice<[Vec<[f64; D]>; 2]>;
+
+    /// Takes over the noted states of some elements, each once. Those of all others stay. The first call after
+    /// [`Accelerator::load`] is for all elements; without one no element is ever awake.
+    ///
+    /// # Errors
+    /// The device has too little memory, or fails.
+    fn note(&mut self, elements: &[u32], states: &[NotedState<D>]) -> FromDevice<()>;
+
+    /// The elements, ascending, whose facets may fail by the last deformation: those whose state is not near
+    /// the noted one.
+    ///
+    /// # Errors
+    /// The device has too little memory, or fails.
+    fn awake(&mut self) -> FromDevice<Vec<u32>>;
+
+    /// The present values of some elements, in this order.
+    ///
+    /// # Errors
+    /// The device has too little memory, or fails.
+    fn read_elements(&mut self, elements: &[u32]) -> FromDevice<ElementValues<D, N>>;
+
+    /// The present state of some joints, in this order.
+    ///
+    /// # Errors
+    /// The device has too little memory, or fails.
+    fn read_joints(&mut self, joints: &[u32]) -> FromDevice<JointMemories<D>>;
+
+    /// Takes changes of nodes and elements over.
+    ///
+    /// # Errors
+    /// The device has too little memory, or fails.
+    fn patch(&mut self, patch: &SolidPatch<D, N>) -> FromDevice<()>;
+
+    /// Takes changes of joints over.
+    ///
+    /// # Errors
+    /// The device has too little memory, or fails.
+    fn patch_joints(&mut self, patch: &JointPatch<D>) -> FromDevice<()>;
 
     /// Strain energy in the last deformation, and energy that viscosity has dissipated so far, J.
     ///

@@ -14,12 +14,14 @@
 mod batch;
 mod check;
 mod cut;
+pub(crate) mod due;
 mod failing;
 mod fan;
 mod flat;
 mod insertion;
 mod joint;
 mod pass;
+mod patch;
 mod plane;
 pub(crate) mod saved;
 pub(crate) mod single;

@@ -209,8 +209,9 @@ mod ranks;
 mod error;
 
 pub use accelerator::{
-    Accelerator, DeviceSum, Drive, EndMemory, FlatLaw, FromDevice, HeldNode, HoldKind, JointColumns,
-    JointKind, JointMemories, NO_NUMBER, NodeMotion, NodeSums, Pulled, SUM_PARTS, SolidColumns, SolidState,
+    Accelerator, DeviceSum, Drive, ElementValues, EndMemory, FlatLaw, FromDevice, HeldNode, HoldKind,
+    JointColumns, JointKind, JointMemories, JointPatch, NO_NUMBER, NodeMotion, NodeSums, NotedState, Pulled,
+    SUM_PARTS, SolidColumns, SolidPatch, SolidState,
 };
 pub use actions::cavity::CavityState;
 pub use actions::seams::InitialContacts;

@@ -94,6 +94,17 @@ pub(crate) trait Machine<const D: usize, const N: usize>: fmt::Debug + Send + Sy
     /// The columns after the last phase, to be changed before the next one.
     fn columns_mut(&mut self) -> &mut Columns<D, N>;
 
+    /// Calls `change` with the columns. It puts joints on these facets, and splits the nodes of their vertices;
+    /// of nodes, elements and joints it reads and changes those around these vertices only.
+    fn change_at(
+        &mut self,
+        _facets: &[u32],
+        _topology: &Topology<D, N>,
+        change: &mut dyn FnMut(&mut Columns<D, N>),
+    ) {
+        change(self.columns_mut());
+    }
+
     /// Ends a number of steps. Returns the reason if the machine has failed, and the columns are not those of
     /// the last step.
     fn settle(&mut self) -> Result<(), Stop> {

@@ -4,6 +4,7 @@ pub(crate) mod batch;
 mod by_law;
 mod columns;
 mod flat;
+mod patch;
 pub(crate) mod single;
 mod viscous;
 pub(crate) mod watch;

@@ -47,6 +47,13 @@ pub(super) struct CheckResult {
     pub(super) tips: Vec<(u32, f64)>,
 }
 
+/// The facets that fail, and the elements that were woken for the next step, both with repetitions.
+#[derive(Default)]
+pub(crate) struct FoundFacets {
+    pub(crate) failing: Vec<u32>,
+    pub(crate) woken: Vec<u32>,
+}
+
 /// Whether a facet or a tip with this slack, Pa, is checked in every step, because its elements would wake
 /// for it in most steps. An element that wakes is checked with all of its facets and tips.
 pub(super) fn is_restless(slack: f64, strength: &Strength) -> bool {
@@ -86,29 +93,40 @@ impl<const D: usize> Joints<D> {
         let (mut checked, mut restless) =
             (std::mem::take(&mut self.checked), std::mem::take(&mut self.restless));
         let mut found = team.change_both(&mut checked, &mut restless, |first, checked, restless| {
-            self.check_facets(first as u32, checked, restless, state)
+            self.check_facets(|place| (first + place) as u32, checked, restless, state)
         });
         (self.checked, self.restless) = (checked, restless);
         let mut tips = std::mem::take(&mut self.tips);
         let at_tips = team.change_lanes::<1, _, _>(&mut tips, |_, tips| self.check_tips(tips, state));
         self.tips = tips;
         found.extend(at_tips);
+        let note = |joints: &Self, solid: &mut Solid<D, N>| joints.note_states(solid, topology, team);
+        let FoundFacets { mut failing, .. } = self.take_found(found, solid, note);
+        team.sort(&mut failing);
+        failing.dedup();
+        failing
+    }
+
+    /// Takes the findings of a check over. `note`: notes the states of the elements that are awake.
+    pub(super) fn take_found<const N: usize>(
+        &mut self,
+        found: Vec<CheckResult>,
+        solid: &mut Solid<D, N>,
+        note: impl FnOnce(&Self, &mut Solid<D, N>),
+    ) -> FoundFacets {
         self.mark_contenders();
         self.checks += 1;
         for &(vertex, slack) in found.iter().flat_map(|found| &found.tips) {
             self.tip_slack[vertex as usize] = slack;
         }
-        self.note_states(solid, topology, team);
-        let mut failing = Vec::new();
-        for CheckResult { failing: here, wake, .. } in found {
-            failing.extend(here);
-            for element in wake {
-                solid.wake(element);
-            }
+        note(self, solid);
+        let mut all = FoundFacets::default();
+        for CheckResult { failing, wake, .. } in found {
+            all.failing.extend(failing);
+            all.woken.extend(wake);
         }
-        team.sort(&mut failing);
-        failing.dedup();
-        failing
+        all.woken.iter().for_each(|&element| solid.wake(element));
+        all
     }
 
     /// Finds the elements that are awake. Returns whether any is.
@@ -153,10 +171,11 @@ impl<const D: usize> Joints<D> {
         self.of_facet[facet as usize] == NONE && self.may_part(facet) && self.set(facet).is_none()
     }
 
-    /// Checks the facets with an element that is awake.
-    fn check_facets<const N: usize>(
+    /// Checks the facets with an element that is awake, and the restless ones. `number`: the number of the
+    /// facet at each place.
+    pub(super) fn check_facets<const N: usize>(
         &self,
-        first: u32,
+        number: impl Fn(usize) -> u32,
         checked: &mut [Checked],
         restless: &mut [u8],
         state: InsertionData<'_, D, N>,
@@ -167,7 +186,7 @@ impl<const D: usize> Joints<D> {
         let InsertionData { solid, topology, .. } = state;
         let (mut batch, mut places) = (CheckBatch::EMPTY, Vec::new());
         for place in 0..checked.len() {
-            let facet = first + place as u32;
+            let facet = number(place);
             let sides = &topology.facets[facet as usize];
             if restless[place] == 0 && !self.any_awake(sides.elements()) {
                 continue;
@@ -182,7 +201,7 @@ impl<const D: usize> Joints<D> {
         batch.write::<N>(solid.available, checked);
         let mut found = CheckResult::default();
         for (place, strength) in places {
-            let (facet, checked) = (first + place as u32, &checked[place]);
+            let (facet, checked) = (number(place), &checked[place]);
             let may_fail = checked.slack <= 0.0 || checked.slack.is_nan();
             if may_fail && self.fails(checked.used, checked, facet, state) {
                 found.failing.push(facet);
@@ -274,7 +293,8 @@ impl<const D: usize> Joints<D> {
         });
     }
 
-    fn note_state<const N: usize>(
+    /// Notes the state of an element.
+    pub(super) fn note_state<const N: usize>(
         &self,
         number: usize,
         solid: &Solid<D, N>,

@@ -14,21 +14,34 @@ use crate::team::CHUNK;
 impl<const D: usize> Joints<D> {
     /// The columns that the device does not change. `thickness`: that of the solid, m.
     pub(crate) fn flat(&self, thickness: f64) -> JointColumns<D> {
-        let kinds: Vec<JointKind> = self.links.iter().map(|link| kind_of(link.case)).collect();
+        let all: Vec<u32> = (0..self.all.len() as u32).collect();
+        JointColumns { at_corner: self.at_corner.clone(), ..self.columns_of(&all, thickness) }
+    }
+
+    /// The columns of some joints, without those of corners.
+    pub(super) fn columns_of(&self, joints: &[u32], thickness: f64) -> JointColumns<D> {
+        let of = || joints.iter().map(|&joint| &self.all[joint as usize]);
+        let kind = |&joint: &u32| kind_of(self.links[joint as usize].case);
+        let kinds: Vec<JointKind> = joints.iter().map(kind).collect();
         let law = |(joint, kind): (&Joint<D>, &JointKind)| flat_law(joint, *kind, thickness);
         JointColumns {
-            counted: self.all.iter().map(|joint| joint.counted).collect(),
-            broken: self.all.iter().map(|joint| joint.state == JointState::Broken).collect(),
-            open: self.all.iter().map(|joint| joint.open).collect(),
-            nodes: self.all.iter().map(|joint| joint.nodes).collect(),
-            laws: self.all.iter().zip(&kinds).map(law).collect(),
-            at_corner: self.at_corner.clone(),
+            counted: of().map(|joint| joint.counted).collect(),
+            broken: of().map(|joint| joint.state == JointState::Broken).collect(),
+            open: of().map(|joint| joint.open).collect(),
+            nodes: of().map(|joint| joint.nodes).collect(),
+            laws: of().zip(&kinds).map(law).collect(),
+            at_corner: Vec::new(),
             kinds,
         }
     }
 
     /// The values that phases change.
     pub(crate) fn flat_memories(&self) -> JointMemories<D> {
+        self.memories_of(0..self.all.len())
+    }
+
+    /// The values of some joints that phases change.
+    pub(super) fn memories_of(&self, joints: impl Iterator<Item = usize> + Clone) -> JointMemories<D> {
         let end = |&Memory { damages, stiffness, origin, rubbed }: &Memory<D>| EndMemory {
             damages,
             stiffness,
@@ -36,14 +49,20 @@ impl<const D: usize> Joints<D> {
             rubbed,
         };
         JointMemories {
-            ends: self.all.iter().map(|joint| joint.ends.each_ref().map(end)).collect(),
-            forces: self.forces.clone(),
+            ends: joints.clone().map(|joint| self.all[joint].ends.each_ref().map(end)).collect(),
+            forces: joints.map(|joint| self.forces[joint]).collect(),
         }
     }
 
     /// Takes these values over.
     pub(crate) fn take_flat(&mut self, memories: JointMemories<D>) {
-        for (joint, ends) in self.all.iter_mut().zip(memories.ends) {
+        self.take_memories(0..self.all.len(), memories);
+    }
+
+    /// Takes the values of some joints over.
+    pub(super) fn take_memories(&mut self, joints: impl Iterator<Item = usize>, memories: JointMemories<D>) {
+        for ((number, ends), forces) in joints.zip(memories.ends).zip(memories.forces) {
+            let joint = &mut self.all[number];
             joint.ends = ends.map(|EndMemory { damages, stiffness, origin, rubbed }| Memory {
                 damages,
                 stiffness,
@@ -52,8 +71,8 @@ impl<const D: usize> Joints<D> {
             });
             // The damage may have grown.
             joint.left = [0.0; D];
+            self.forces[number] = forces;
         }
-        self.forces = memories.forces;
     }
 
     /// Computes some joints, ascending, one by one.

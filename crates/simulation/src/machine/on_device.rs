@@ -1,8 +1,14 @@
 //! A device with a memory of its own as a machine: see `accelerator.rs`.
 //!
-//! The device has nodes, elements and joints. It computes their phases. The host computes all others, and the
-//! joints that change their kind, on its columns: it copies them when a phase or anything else asks for them,
-//! and the device takes changed ones over before its next phase. Phases that have nothing to do ask for none.
+//! The device has nodes, elements and joints. It computes their phases. The host computes all others on its
+//! columns: it copies them when a phase or anything else asks for them, and the device takes changed ones over
+//! before its next phase. Phases that have nothing to do ask for none.
+//!
+//! Joints that change their kind, the check of facets, insertion and splitting concern few nodes, elements and
+//! joints. The host reads the values of these only, computes, and sends the changes (`on_device/parts.rs`).
+//! The device finds the elements whose facets may fail. Where many facets fail in a step, all is copied.
+
+mod parts;
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -11,6 +17,7 @@ use crate::actions::prescribed;
 use crate::contacts::Touching;
 use crate::error::Stop;
 use crate::joints::Pulling;
+use crate::joints::due::CheckLists;
 use crate::machine::{Columns, Machine};
 use crate::model::Model;
 use crate::motion::nodes::Motion;
@@ -24,20 +31,21 @@ use crate::team::Team;
 use crate::topology::Topology;
 use crate::vector::{Point, dot, plus};
 
-/// The changes of the host that the device has not taken over: of values that phases change, of joints, and
-/// of all columns.
+/// Share of the facets that fail in a step, 1 in this number, above which all columns are copied.
+const FEW: usize = 100;
+
+/// The changes of the host that the device has not taken over: of values of nodes and elements that phases
+/// change, and of all columns.
 #[derive(Clone, Copy, Debug, Default)]
 struct Changed {
     solid: bool,
-    joints: bool,
     all: bool,
 }
 
 impl Changed {
-    const NOTHING: Self = Self { solid: false, joints: false, all: false };
+    const NOTHING: Self = Self { solid: false, all: false };
     const SOLID: Self = Self { solid: true, ..Self::NOTHING };
-    const JOINTS: Self = Self { joints: true, ..Self::NOTHING };
-    const ALL: Self = Self { solid: true, joints: true, all: true };
+    const ALL: Self = Self { solid: true, all: true };
 }
 
 /// A device, and the columns of the host.
@@ -53,6 +61,10 @@ pub(crate) struct OnDevice<const D: usize, const N: usize> {
     holds: Vec<HeldNode<D>>,
     /// The nodes of these motions, ascending, each with the number of its motion.
     held: Vec<[u32; 2]>,
+    /// The elements on which loads act in this step, with repetitions.
+    loaded: Vec<u32>,
+    /// The elements and facets of checks, where joints are inserted.
+    lists: CheckLists,
     /// Origin of positions, m.
     origin: Point<D>,
     /// Why the device has failed. It computes nothing any more.
@@ -69,10 +81,15 @@ where
     /// Hands columns over to a device. `holds`: the motions that boundaries prescribe, by their numbers.
     pub(crate) fn new(
         device: Box<dyn Accelerator<D, N>>,
-        columns: Columns<D, N>,
+        mut columns: Columns<D, N>,
         holds: Vec<HeldNode<D>>,
         team: Team,
     ) -> FromDevice<Self> {
+        let mut lists = CheckLists::default();
+        if columns.joints.inserts() {
+            columns.solid.begin_watch();
+            lists = columns.joints.begin_lists();
+        }
         let mut this = Self {
             device: Mutex::new(device),
             host: OnceLock::from(columns),
@@ -80,6 +97,8 @@ where
             changed: Changed::ALL,
             holds,
             held: Vec::new(),
+            loaded: Vec::new(),
+            lists,
             origin: [0.0; D],
             failure: Mutex::default(),
             whole: Share::default(),
@@ -103,9 +122,14 @@ where
         if changed.solid {
             device.write(&columns.solid.flat_state())?;
         }
-        if changed.joints {
+        if changed.all {
             device.load_joints(&columns.joints.flat(columns.solid.thickness))?;
             device.write_joints(&columns.joints.flat_memories())?;
+            let elements: Vec<u32> = (0..columns.solid.element_count() as u32).collect();
+            let states = columns.solid.noted(&elements);
+            if !states.is_empty() {
+                device.note(&elements, &states)?;
+            }
         }
         Ok(())
     }
@@ -160,7 +184,6 @@ where
     fn on_host(&mut self, changed: Changed) -> &mut Columns<D, N> {
         self.columns();
         self.changed.solid |= changed.solid;
-        self.changed.joints |= changed.joints;
         self.changed.all |= changed.all;
         self.host.get_mut().expect("they are up to date")
     }
@@ -185,8 +208,7 @@ where
         let mut pulling = Pulling { broken: Vec::new(), work: Sum::default(), elastic: None };
         if let Some(Pulled { work, left }) = pulled {
             if !left.is_empty() {
-                let Columns { solid, joints, .. } = self.on_host(Changed::JOINTS);
-                pulling = joints.pull_some(&left, solid, step, time);
+                pulling = self.pull_left(left, step, time).unwrap_or(pulling);
             }
             pulling.work.add_sum(&sum_of(&work));
         }
@@ -220,11 +242,17 @@ where
 
     fn add_forces(&mut self, forces: &[(u32, Point<D>)]) {
         self.compute(|device| device.add_forces(forces));
+        if self.known().joints.inserts() {
+            self.loaded.extend(forces.iter().map(|(corner, _)| corner / N as u32));
+        }
     }
 
-    fn failing(&mut self, _: &Model<D, N>, _: &Topology<D, N>) -> Vec<u32> {
-        // Insertion is refused.
-        Vec::new()
+    fn failing(&mut self, model: &Model<D, N>, topology: &Topology<D, N>) -> Vec<u32> {
+        let loaded = std::mem::take(&mut self.loaded);
+        if !self.known().joints.inserts() {
+            return Vec::new();
+        }
+        self.find_failing(model, topology, loaded).unwrap_or_default()
     }
 
     fn move_nodes(
@@ -353,6 +381,23 @@ where
 
     fn columns_mut(&mut self) -> &mut Columns<D, N> {
         self.on_host(Changed::ALL)
+    }
+
+    fn change_at(
+        &mut self,
+        facets: &[u32],
+        topology: &Topology<D, N>,
+        change: &mut dyn FnMut(&mut Columns<D, N>),
+    ) {
+        if facets.is_empty() {
+            // The columns of joints that broke have been handed over.
+            change(self.known());
+        } else if FEW * facets.len() > topology.facets.len() {
+            change(self.on_host(Changed::ALL));
+        } else {
+            // After a failure of the device the run stops.
+            self.change_around(facets, topology, change);
+        }
     }
 
     fn settle(&mut self) -> Result<(), Stop> {

@@ -4,6 +4,7 @@
 //! much both may change before it has to be repeated: [`Watch::note`]. Until then a step compares the present
 //! state with the noted one, which is far less work than the check.
 
+use crate::accelerator::NotedState;
 use crate::lanes::{LANES, Lanes, Tensors, compiled_for_vectors, tensor};
 use crate::vector::{Matrix, contraction, matrix};
 
@@ -108,6 +109,20 @@ impl<const D: usize> Watch<D> {
     }
 }
 
+impl<const D: usize> Watch<D> {
+    /// The noted state of an element, for a device.
+    pub(crate) fn noted(&self, lane: usize) -> NotedState<D> {
+        let of = |noted: &[[Noted; D]; D]| noted.each_ref().map(|row| row.each_ref().map(|of| of.0[lane]));
+        let (shift, reach) = (self.shift.get(lane), self.reach.get(lane));
+        NotedState { stress: of(&self.stress), edges: of(&self.edges), shift, reach }
+    }
+
+    /// Sets the square of the present change of stress that a device has found, Pa².
+    pub(crate) fn set_moved(&mut self, lane: usize, moved: f64) {
+        self.moved.set(lane, moved);
+    }
+}
+
 compiled_for_vectors!(pub(super) fn find_moved = all_moved<const D: usize>(
     edges: &Tensors<D>,
     stress: &Tensors<D>,
@@ -115,7 +130,8 @@ compiled_for_vectors!(pub(super) fn find_moved = all_moved<const D: usize>(
 ));
 
 /// Compares the present states of a batch with the noted ones. `edges`: matrices of the edges from corner 0,
-/// m; `stress`: Cauchy stresses, Pa, of which only the upper halves are read.
+/// m; `stress`: Cauchy stresses, Pa, of which only the upper halves are read. Twin: `find_moved` in
+/// `crates/gpu/kernels/watch.h`.
 #[inline(always)]
 fn all_moved<const D: usize>(edges: &Tensors<D>, stress: &Tensors<D>, watch: &mut Watch<D>) {
     let mut awake = 0;
