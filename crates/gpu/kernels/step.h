@@ -53,39 +53,46 @@ template <int D> INLINE Matrix<D> tensor_of(const double *values, u64 number) {
 }
 
 // Twin of `Solid::deform` in `solid.rs`.
-template <int D> INLINE void solid_deform(const SolidElements &a, u32 block) {
-    EACH(element, a.count) {
-        const u32 *corners = a.corners + element * (D + 1);
-        ElementState<D> state;
-        ElementForces<D> found;
-        state.gradients = tensor_of<D>(a.gradients, element);
-        state.edges = edges_of<D>(a.positions, corners);
-        state.volume = a.volumes[element];
-        state.shear = a.moduli[2 * (u64)a.materials[element]];
-        state.bulk = a.moduli[2 * (u64)a.materials[element] + 1];
-        if (a.initial) {
-            state.initial = tensor_of<D>(a.initial, element);
-            state.stored = a.stored[element];
-        }
-        if (a.viscosities) {
-            state.rates = edges_of<D>(a.velocities, corners);
-            state.viscosity = a.viscosities[element];
-            state.viscous = tensor_of<D>(a.viscous, element);
-        }
-        deform(state, a.initial != 0, a.viscosities != 0, found);
-        if (a.viscosities) {
-            set_tensor(a.viscous, element, found.viscous);
-            if (state.viscosity > 0.0) a.dissipated[element] += 0.5 * a.step * found.power * state.volume;
-        }
-        set_tensor(a.stresses, element, found.stress);
-        a.energies[element] = found.energy;
-        if (a.watched.noted) find_moved(a.watched, element, state.edges, found.stress);
-        const bool is_sound = found.ratio > 0.0;
-        if (!is_sound) set_flag(a.inverted);
-        for (int k = 0; k < (D + 1) * D; ++k) {
-            a.forces[element * (D + 1) * D + k] = is_sound ? found.forces[k / D][k % D] : 0.0;
-        }
+template <int D> INLINE void deform_element(const SolidElements &a, u64 element) {
+    const u32 *corners = a.corners + element * (D + 1);
+    double *forces = a.forces + element * (D + 1) * D;
+    ElementState<D> state;
+    ElementForces<D> found;
+    state.volume = a.volumes[element];
+    // It belongs to a rigid body.
+    if (state.volume == 0.0) {
+        for (int k = 0; k < (D + 1) * D; ++k) forces[k] = 0.0;
+        if (a.watched.noted) rest(a.watched, element);
+        return;
     }
+    state.gradients = tensor_of<D>(a.gradients, element);
+    state.edges = edges_of<D>(a.positions, corners);
+    state.shear = a.moduli[2 * (u64)a.materials[element]];
+    state.bulk = a.moduli[2 * (u64)a.materials[element] + 1];
+    if (a.initial) {
+        state.initial = tensor_of<D>(a.initial, element);
+        state.stored = a.stored[element];
+    }
+    if (a.viscosities) {
+        state.rates = edges_of<D>(a.velocities, corners);
+        state.viscosity = a.viscosities[element];
+        state.viscous = tensor_of<D>(a.viscous, element);
+    }
+    deform(state, a.initial != 0, a.viscosities != 0, found);
+    if (a.viscosities) {
+        set_tensor(a.viscous, element, found.viscous);
+        if (state.viscosity > 0.0) a.dissipated[element] += 0.5 * a.step * found.power * state.volume;
+    }
+    set_tensor(a.stresses, element, found.stress);
+    a.energies[element] = found.energy;
+    if (a.watched.noted) find_moved(a.watched, element, state.edges, found.stress);
+    const bool is_sound = found.ratio > 0.0;
+    if (!is_sound) set_flag(a.inverted);
+    for (int k = 0; k < (D + 1) * D; ++k) forces[k] = is_sound ? found.forces[k / D][k % D] : 0.0;
+}
+
+template <int D> INLINE void solid_deform(const SolidElements &a, u32 block) {
+    EACH(element, a.count) { deform_element<D>(a, element); }
 }
 
 struct CornerForces {
@@ -182,7 +189,8 @@ struct SolidNodes {
     u32 blocks;
 };
 
-const u32 NO_NUMBER = 0xffffffffu;
+// Numbers that stand for none, and for the place of a node that the host moves.
+const u32 NO_NUMBER = 0xffffffffu, BY_HOST = 0xfffffffeu;
 
 // Twin of `local_damping` in `motion/nodes.rs`.
 INLINE double local_damping(double damping, double force, double velocity) {
@@ -229,6 +237,8 @@ INLINE double larger_of(double most, double number) { return number > most ? num
 template <int D>
 INLINE void move_node(const SolidNodes &a, u64 node, u32 t, double (*sums)[THREADS], double (*mosts)[THREADS]) {
     double force[D], weight[D], free[D], before[D], after[D], damped[D], outer[D], position[D];
+    const u32 place = a.places[node];
+    if (place == BY_HOST) return;
     for (int axis = 0; axis < D; ++axis) force[axis] = 0.0;
     for (u32 corner = a.ranges[2 * node]; corner < a.ranges[2 * node + 1]; ++corner) {
         const double *of_corner = a.forces + (u64)a.corners[corner] * D;
@@ -243,7 +253,6 @@ INLINE void move_node(const SolidNodes &a, u64 node, u32 t, double (*sums)[THREA
     }
     const double mass = a.masses[node], over = a.step / mass;
     const double true_mass = a.true_masses ? a.true_masses[node] : mass;
-    const u32 place = a.places[node];
     const HeldNode<D> *held = place == NO_NUMBER ? 0 : (const HeldNode<D> *)a.held + place;
     for (int axis = 0; axis < D; ++axis) position[axis] = a.positions[node * D + axis];
     for (int axis = 0; axis < D; ++axis) {

@@ -22,6 +22,12 @@ template <int D> INLINE double square_of_difference(const Matrix<D> &one, const 
     return contraction(difference, difference);
 }
 
+// An element that is never awake.
+INLINE void rest(const Watched &a, u64 element) {
+    a.moved[element] = 0.0;
+    a.awake[element] = 0;
+}
+
 // Compares the present state of an element with the noted one: `all_moved`.
 template <int D>
 INLINE void find_moved(const Watched &a, u64 element, const Matrix<D> &edges, const Matrix<D> &stress) {

@@ -18,7 +18,7 @@ const OPEN: u32 = 16;
 /// The joints of a run.
 pub(crate) struct DeviceJoints<M, const D: usize> {
     pub(crate) count: usize,
-    /// Joints for which columns have room: one begins so many numbers after the other.
+    /// Joints for which columns have room: numbers from the beginning of one to that of the next.
     stride: usize,
     nodes: Array<M, u32>,
     marks: Array<M, u32>,

@@ -19,9 +19,10 @@
 //!   [`put_on`](fdem_simulation::Simulation::put_on) hands over to it: elements with initial stress and
 //!   viscosity, joints that are whole or soften, forces on corners, supports and prescribed motions, gravity,
 //!   damping, and all sums of energies and works. It finds the elements whose facets may fail. The processor
-//!   computes the rest of such a run: contacts, loads, joints in the step in which they begin to soften,
-//!   break, or are handed over to contact, insertion and splitting. The device sends the rows of its arrays
-//!   that these need, and takes changed rows over (`patch.rs`). The run can go back at any step.
+//!   computes the rest of such a run: contacts, loads, rigid bodies, insertion and splitting, and joints in
+//!   the step in which they begin to soften, break, or are handed over to contact. The device sends the rows
+//!   of its arrays that these need, and takes changed rows over (`patch.rs`). The run can go back at any
+//!   step.
 //!
 //! # Sums
 //!

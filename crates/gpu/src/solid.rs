@@ -429,6 +429,15 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
         Ok(found)
     }
 
+    fn write_nodes(&mut self, nodes: &[u32], motion: &[Vec<[f64; D]>; 2]) -> FromDevice<()> {
+        let device = &*self.device;
+        self.rows.choose(device, nodes)?;
+        for (column, values) in [&self.positions, &self.velocities].into_iter().zip(motion) {
+            self.rows.write(device, column, Columns::ONE, values.as_flattened())?;
+        }
+        Ok(())
+    }
+
     fn note(&mut self, elements: &[u32], states: &[NotedState<D>]) -> FromDevice<()> {
         let device = &*self.device;
         self.rows.choose(device, elements)?;

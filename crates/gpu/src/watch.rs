@@ -72,7 +72,7 @@ impl<M, const D: usize> DeviceWatch<M, D> {
         }
     }
 
-    /// Takes over the states of the chosen elements, out of `count`.
+    /// Takes over the states of the chosen elements, or of all elements, `count`, if none was noted yet.
     pub(crate) fn note(
         &mut self,
         device: &impl Device<Memory = M>,
@@ -85,10 +85,12 @@ impl<M, const D: usize> DeviceWatch<M, D> {
         let noted: Vec<f32> = states.iter().flat_map(numbers).collect();
         let limits: Vec<[f64; 2]> = states.iter().map(|of| [of.shift, of.reach]).collect();
         if self.is_empty() {
-            self.noted.resize(device, (D * (D + 1) / 2 + D * D) * count)?;
-            self.limits.resize(device, 2 * count)?;
+            // All elements.
+            self.noted.write(device, &noted)?;
+            self.limits.write(device, limits.as_flattened())?;
             self.moved.write(device, &vec![0.0; count])?;
             self.awake.resize(device, count)?;
+            return Ok(());
         }
         rows.write(device, &self.noted, Columns::ONE, &noted)?;
         rows.write(device, &self.limits, Columns::ONE, limits.as_flattened())

@@ -4,6 +4,8 @@
 
 #[path = "steps/insertion.rs"]
 mod insertion;
+#[path = "steps/rigid.rs"]
+mod rigid;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -419,16 +421,6 @@ fn runs_stop_as_on_the_processor() {
         assert_eq!(stop.to_string(), expected_stop.to_string());
         assert_eq!(run.steps(), expected.steps());
     }
-}
-
-#[test]
-fn runs_that_no_device_computes_are_refused() {
-    let mut model = model::<2, 3>(0.0, [0.0; 2]);
-    model.rigid = vec![0];
-    let mut run = Simulation::new(model, 1).unwrap();
-    let error = put_on(&mut run, HostBuild::Ascending).unwrap_err();
-    assert_eq!(error.to_string(), "a device does not compute rigid bodies");
-    run.advance(3).unwrap();
 }
 
 /// The same on a card, if there is one.

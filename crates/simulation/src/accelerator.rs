@@ -16,6 +16,9 @@ pub const SUM_PARTS: usize = crate::sum::LIMBS + 1;
 /// A number that stands for none, in lists of numbers of nodes, elements, corners and boundaries.
 pub const NO_NUMBER: u32 = u32::MAX;
 
+/// A number in place of [`SolidColumns::places`] of a node that the host moves: one of a rigid body.
+pub const BY_HOST: u32 = u32::MAX - 1;
+
 /// The exact sum of some finite numbers. Part `k` counts 2^(32 k - 1074), the last one numbers that are
 /// infinite or none. A number adds less than 2^32 to each of three parts, with its sign; sums are added part
 /// by part, in any order. At most 2^30 numbers.
@@ -30,7 +33,7 @@ pub struct SolidColumns<const D: usize, const N: usize> {
     pub masses: Vec<f64>,
     /// Mass of each node in its weight, kg; empty where that is its mass in motion.
     pub true_masses: Vec<f64>,
-    /// Place of each node in `held`, or [`NO_NUMBER`].
+    /// Place of each node in `held`, or [`NO_NUMBER`], or [`BY_HOST`].
     pub places: Vec<u32>,
     /// The nodes that boundaries hold or move, ascending.
     pub held: Vec<HeldNode<D>>,
@@ -42,7 +45,8 @@ pub struct SolidColumns<const D: usize, const N: usize> {
     pub ranges: Vec<[u32; 2]>,
     /// Inverse of the matrix whose columns are the edges of the undeformed element from corner 0, 1/m.
     pub gradients: Vec<[[f64; D]; D]>,
-    /// Volumes of the undeformed elements, m³.
+    /// Volumes of the undeformed elements, m³; 0 for those of rigid bodies, which have no stress and no
+    /// forces.
     pub volumes: Vec<f64>,
     /// Moduli of shear and bulk of each material, Pa, of the neo-Hookean law.
     pub moduli: Vec<[f64; 2]>,
@@ -381,8 +385,14 @@ pub trait Accelerator<const D: usize, const N: usize>: fmt::Debug + Send {
     /// The device has too little memory, or fails.
     fn read_nodes(&mut self, nodes: &[u32]) -> FromDevice<[Vec<[f64; D]>; 2]>;
 
-    /// Takes over the noted states of some elements, each once. Those of all others stay. The first call after
-    /// [`Accelerator::load`] is for all elements; without one no element is ever awake.
+    /// Sets the positions, m, and the velocities, m/s, of some nodes, each once.
+    ///
+    /// # Errors
+    /// The device has too little memory, or fails.
+    fn write_nodes(&mut self, nodes: &[u32], motion: &[Vec<[f64; D]>; 2]) -> FromDevice<()>;
+
+    /// Takes over the noted states of some elements, each once. Those of all others stay. The first call
+    /// after [`Accelerator::load`] is for all elements; without one no element is ever awake.
     ///
     /// # Errors
     /// The device has too little memory, or fails.

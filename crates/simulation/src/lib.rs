@@ -209,9 +209,9 @@ mod ranks;
 mod error;
 
 pub use accelerator::{
-    Accelerator, DeviceSum, Drive, ElementValues, EndMemory, FlatLaw, FromDevice, HeldNode, HoldKind,
-    JointColumns, JointKind, JointMemories, JointPatch, NO_NUMBER, NodeMotion, NodeSums, NotedState, Pulled,
-    SUM_PARTS, SolidColumns, SolidPatch, SolidState,
+    Accelerator, BY_HOST, DeviceSum, Drive, ElementValues, EndMemory, FlatLaw, FromDevice, HeldNode,
+    HoldKind, JointColumns, JointKind, JointMemories, JointPatch, NO_NUMBER, NodeMotion, NodeSums,
+    NotedState, Pulled, SUM_PARTS, SolidColumns, SolidPatch, SolidState,
 };
 pub use actions::cavity::CavityState;
 pub use actions::seams::InitialContacts;

@@ -94,8 +94,8 @@ pub(crate) trait Machine<const D: usize, const N: usize>: fmt::Debug + Send + Sy
     /// The columns after the last phase, to be changed before the next one.
     fn columns_mut(&mut self) -> &mut Columns<D, N>;
 
-    /// Calls `change` with the columns. It puts joints on these facets, and splits the nodes of their vertices;
-    /// of nodes, elements and joints it reads and changes those around these vertices only.
+    /// Calls `change` with the columns. It puts joints on these facets, and splits the nodes of their
+    /// vertices; of nodes, elements and joints it reads and changes those around these vertices only.
     fn change_at(
         &mut self,
         _facets: &[u32],

@@ -178,6 +178,11 @@ impl<const D: usize> RigidBodies<D> {
         self.is_rigid.get(node).copied().unwrap_or(false)
     }
 
+    /// The nodes of all rigid bodies, ascending.
+    pub(crate) fn node_numbers(&self) -> Vec<u32> {
+        self.nodes.iter().map(|[node, _]| *node).collect()
+    }
+
     /// Kinetic energy of a body with the velocities half a step before its position, J.
     pub(crate) fn kinetic(&self, body: usize) -> f64 {
         let RigidMotion { velocity, momentum, spin, .. } = self.motions[body];

@@ -1,14 +1,16 @@
 //! A device with a memory of its own as a machine: see `accelerator.rs`.
 //!
 //! The device has nodes, elements and joints. It computes their phases. The host computes all others on its
-//! columns: it copies them when a phase or anything else asks for them, and the device takes changed ones over
-//! before its next phase. Phases that have nothing to do ask for none.
+//! columns: it copies them when a phase or anything else asks for them, and the device takes changed ones
+//! over before its next phase. Phases that have nothing to do ask for none.
 //!
-//! Joints that change their kind, the check of facets, insertion and splitting concern few nodes, elements and
-//! joints. The host reads the values of these only, computes, and sends the changes (`on_device/parts.rs`).
-//! The device finds the elements whose facets may fail. Where many facets fail in a step, all is copied.
+//! Joints that change their kind, the check of facets, insertion and splitting concern few nodes, elements
+//! and joints. The host reads the values of these only, computes, and sends the changes
+//! (`on_device/parts.rs`). The device finds the elements whose facets may fail. Where many facets fail in a
+//! step, all is copied. The host moves rigid bodies, and sends their nodes (`on_device/rigid.rs`).
 
 mod parts;
+mod rigid;
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -265,6 +267,9 @@ where
         if matches!(selected, Selected::Only(_)) {
             return;
         }
+        if !self.known().solid.rigid.is_empty() && self.move_rigid(motion, sums).is_none() {
+            return;
+        }
         let drives = prescribed::drives(motion.model, motion.schedules, [motion.time, motion.step]);
         let given = NodeMotion {
             step: motion.step,
@@ -297,7 +302,8 @@ where
         if moved.runs_away {
             let solid = &self.columns().solid;
             let limit = motion.speed_limit * motion.speed_limit;
-            let squares = (0..solid.node_count()).map(|node| {
+            let free = (0..solid.node_count()).filter(|&node| !solid.rigid.has_node(node));
+            let squares = free.map(|node| {
                 let velocity = solid.velocity(node);
                 (solid.corners(node)[0] / N as u32, dot(velocity, velocity))
             });

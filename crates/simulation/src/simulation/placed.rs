@@ -17,8 +17,8 @@ where
     ///
     /// # Errors
     /// [`ModelError::OnDevice`] if the device has too little memory or fails, and for runs that no device
-    /// computes: parts of a run on many ranks, materials with bedding, and rigid bodies. The run stays where
-    /// it is then.
+    /// computes: parts of a run on many ranks, materials with bedding, and bodies that are rigid until they
+    /// are overloaded. The run stays where it is then.
     pub fn put_on(&mut self, device: Box<dyn Accelerator<D, N>>) -> Result<(), ModelError> {
         let refused = |why: &str| Err(ModelError::OnDevice { why: why.to_owned() });
         let columns = self.machine.columns();
@@ -27,6 +27,9 @@ where
         }
         if let Some(part) = columns.solid.not_on_device() {
             return refused(&format!("a device does not compute {part}"));
+        }
+        if !self.model.until_overloaded.is_empty() {
+            return refused("a device does not compute bodies that are rigid until they are overloaded");
         }
         let holds = self.actions.prescribed.on_device(&self.model, &columns.solid);
         let machine = OnDevice::new(device, columns.clone(), holds, self.team.clone());

@@ -1,6 +1,6 @@
 //! The columns of a solid as plain lists, for machines with a memory of their own.
 
-use crate::accelerator::{HeldNode, SolidColumns, SolidState};
+use crate::accelerator::{BY_HOST, HeldNode, SolidColumns, SolidState};
 use crate::lanes::{LANES, set_tensor, tensor};
 use crate::laws::AnyLaw;
 use crate::simplex::Simplex;
@@ -18,6 +18,9 @@ where
         let (nodes, elements) = (0..self.node_count(), 0..self.element_count());
         let mut held = Vec::new();
         let mut place = |node: usize| {
+            if self.rigid.has_node(node) {
+                return Some(BY_HOST);
+            }
             let hold = holds.get(self.hold(node) as usize)?;
             held.push(HeldNode { node: node as u32, ..*hold });
             Some(held.len() as u32 - 1)
@@ -99,9 +102,6 @@ where
     /// Why a device cannot compute this solid, if it cannot.
     pub(crate) fn not_on_device(&self) -> Option<&'static str> {
         let bedded = |law: &AnyLaw<D>| matches!(law, AnyLaw::Bedded(_));
-        if self.constitutions.iter().any(|of| bedded(&of.law)) {
-            return Some("a material with bedding");
-        }
-        (!self.rigid.is_empty()).then_some("rigid bodies")
+        self.constitutions.iter().any(|of| bedded(&of.law)).then_some("a material with bedding")
     }
 }

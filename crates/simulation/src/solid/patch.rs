@@ -1,6 +1,6 @@
 //! Some nodes and elements, for machines with a memory of their own.
 
-use crate::accelerator::{ElementValues, HeldNode, NotedState, SolidPatch};
+use crate::accelerator::{BY_HOST, ElementValues, HeldNode, NotedState, SolidPatch};
 use crate::lanes::LANES;
 use crate::lists::once_each;
 use crate::simplex::Simplex;
@@ -44,6 +44,12 @@ where
         }
     }
 
+    /// The present positions and velocities of some nodes.
+    pub(crate) fn motion_of(&self, nodes: &[u32]) -> [Vec<Point<D>>; 2] {
+        [&self.positions, &self.velocities]
+            .map(|column| nodes.iter().map(|&node| column[node as usize]).collect())
+    }
+
     /// The noted states of some elements, if any are.
     pub(crate) fn noted(&self, elements: &[u32]) -> Vec<NotedState<D>> {
         let of = |&element: &u32| {
@@ -68,15 +74,19 @@ where
         once_each(&mut nodes);
         once_each(&mut elements);
         let mut added = Vec::new();
-        for &node in nodes.iter().filter(|&&node| node as usize >= before) {
+        let is_new = |node: &&u32| **node as usize >= before && !self.rigid.has_node(**node as usize);
+        for &node in nodes.iter().filter(is_new) {
             let hold = self.hold(node as usize);
             if let Some(of_hold) = holds.get(hold as usize) {
                 held.push([node, hold]);
                 added.push(HeldNode { node, ..*of_hold });
             }
         }
-        let place =
-            |node: &u32| held.binary_search_by_key(node, |of| of[0]).map_or(NONE, |place| place as u32);
+        let place = |node: &u32| match held.binary_search_by_key(node, |of| of[0]) {
+            Ok(place) => place as u32,
+            Err(_) if self.rigid.has_node(*node as usize) => BY_HOST,
+            Err(_) => NONE,
+        };
         let all = || nodes.iter().map(|&node| node as usize);
         let true_mass = |node: usize| self.true_masses.get(node).copied();
         SolidPatch {

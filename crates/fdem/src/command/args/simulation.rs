@@ -151,8 +151,8 @@ pub(crate) struct RunOptions {
     pub(crate) threads: usize,
 
     /// Where elements, joints and nodes are computed: `cpu`, `gpu`, or `gpu:N` with a number of
-    /// `fdem devices`. Results are the same to the last bit. A graphics processor has no rigid bodies;
-    /// contacts, loads and the insertion of joints stay on the processor.
+    /// `fdem devices`. Results are the same to the last bit. Contacts, loads, rigid bodies and the insertion
+    /// of joints stay on the processor.
     #[arg(long, value_name = "DEVICE", default_value = "cpu")]
     pub(crate) device: DeviceName,
 

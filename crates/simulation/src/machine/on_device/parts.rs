@@ -24,9 +24,11 @@ impl<const D: usize, const N: usize> OnDevice<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Calls the device, whose phases have changed nothing of what the host has changed since. `None` once it
-    /// has failed.
-    fn call<T>(&mut self, work: impl FnOnce(&mut dyn Accelerator<D, N>) -> FromDevice<T>) -> Option<T> {
+    /// Calls the device, between two of its phases. `None` once it has failed.
+    pub(super) fn call<T>(
+        &mut self,
+        work: impl FnOnce(&mut dyn Accelerator<D, N>) -> FromDevice<T>,
+    ) -> Option<T> {
         if self.failure().is_some() {
             return None;
         }
