@@ -17,10 +17,9 @@ mpi:
 figures:
     cargo run -p fdem-contact --example ten_bodies
 
-# Kernels and searches on a graphics processor of NVIDIA, against the processors; rewrites bench/GPU.md. Fails without one.
+# All that needs a graphics processor of NVIDIA: kernels, examples, restarts, arrays of PyTorch and CuPy; rewrites bench/GPU.md. Fails without one.
 gpu:
-    cargo test -p fdem-gpu --features host,cuda
-    cargo run --release -p fdem-bench --features gpu --bin gpu -- --write bench/GPU.md
+    bash .ci/gpu
 
 # The book, in target/book, with its figures drawn anew. Needs `cargo install mdbook`.
 book:

@@ -64,6 +64,11 @@ impl<M, T: Pod> Array<M, T> {
         self.memory.as_ref()
     }
 
+    /// The memory, which somebody else frees.
+    pub(crate) fn into_memory(self) -> Option<M> {
+        self.memory
+    }
+
     /// Copies numbers to the device.
     pub(crate) fn write(
         &mut self,

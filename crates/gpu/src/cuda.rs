@@ -72,8 +72,7 @@ impl Cuda {
             return Err(GpuError::NoDevice { number, count });
         }
         let info = info(number)?;
-        let text = compile(info.architecture, false)?;
-        let text = text_for_c(text)?;
+        let text = text_for_c(kernels_for(info.architecture, SHIPPED)?)?;
         let device = device(number)?;
         // SAFETY: the driver has given the device. `drop` releases the context.
         let context =
@@ -100,6 +99,54 @@ impl Cuda {
     /// Name and size of the device.
     pub fn info(&self) -> &DeviceInfo {
         &self.info
+    }
+
+    /// Waits until all work on the device is done, that of other libraries of this process, too.
+    ///
+    /// # Errors
+    /// [`GpuError::Driver`].
+    pub fn synchronize(&self) -> Result<(), GpuError> {
+        self.enter()?;
+        result::ctx::synchronize().map_err(driver("cuCtxSynchronize"))
+    }
+
+    /// Refuses an address at which the device has no memory of this size.
+    ///
+    /// # Errors
+    /// [`GpuError::Elsewhere`], [`GpuError::ShortMemory`]. `what`: the numbers that are there.
+    pub fn check_address(&self, what: &'static str, address: u64, bytes: usize) -> Result<(), GpuError> {
+        use sys::CUpointer_attribute_enum::{
+            CU_POINTER_ATTRIBUTE_DEVICE_ORDINAL as ORDINAL, CU_POINTER_ATTRIBUTE_MEMORY_TYPE as KIND,
+            CU_POINTER_ATTRIBUTE_RANGE_SIZE as SIZE, CU_POINTER_ATTRIBUTE_RANGE_START_ADDR as START,
+        };
+        self.enter()?;
+        let elsewhere = GpuError::Elsewhere { what, number: self.info.number };
+        let attribute = |of| {
+            let mut value = 0_u64;
+            // SAFETY: each of these attributes has at most eight bytes. An address that the driver does not
+            // know is an error.
+            let done = unsafe { sys::cuPointerGetAttribute((&raw mut value).cast(), of, address) };
+            if done == sys::CUresult::CUDA_SUCCESS { Some(value) } else { None }
+        };
+        let is_here = attribute(KIND) == Some(sys::CUmemorytype_enum::CU_MEMORYTYPE_DEVICE as u64)
+            && attribute(ORDINAL) == Some(self.info.number as u64);
+        let (true, Some(start), Some(size)) = (is_here, attribute(START), attribute(SIZE)) else {
+            return Err(elsewhere);
+        };
+        let room = (start + size).saturating_sub(address) as usize;
+        if room < bytes {
+            return Err(GpuError::ShortMemory { what, bytes: room, needed: bytes });
+        }
+        Ok(())
+    }
+
+    /// Memory of the device that is free now, bytes.
+    ///
+    /// # Errors
+    /// [`GpuError::Driver`].
+    pub fn free_memory(&self) -> Result<usize, GpuError> {
+        self.enter()?;
+        Ok(result::mem_get_info().map_err(driver("cuMemGetInfo"))?.0)
     }
 
     /// Memory of the device that somebody else has taken, such as an array of another library, to be searched
@@ -144,6 +191,8 @@ pub struct CudaMemory {
 
 // SAFETY: all threads may use and release memory of a context, which they enter before.
 unsafe impl Send for CudaMemory {}
+// SAFETY: a shared reference gives its address and size only, which do not change.
+unsafe impl Sync for CudaMemory {}
 
 impl Drop for CudaMemory {
     fn drop(&mut self) {
@@ -212,6 +261,44 @@ impl Device for Cuda {
         }
         .map_err(driver(kernel.name()))
     }
+}
+
+/// Compiled kernels that a release ships for machines without a compiler; empty in other builds. See
+/// `build.rs`.
+const SHIPPED: &str = include_str!(concat!(env!("OUT_DIR"), "/kernels.ptx"));
+
+/// The oldest architecture with which kernels are compiled. The driver compiles them further for any later
+/// one.
+const OLDEST: u32 = 70;
+
+/// The kernels in PTX: compiled, or else those that are shipped.
+fn kernels_for(architecture: u32, shipped: &str) -> Result<String, GpuError> {
+    match compile(architecture, false) {
+        // Those of other kernels would read other arguments.
+        Err(GpuError::NoCompiler) if shipped.starts_with(&shipped_title()) => Ok(shipped.to_owned()),
+        done => done,
+    }
+}
+
+/// The first line of kernels that are shipped, with a hash of their text (FNV-1a).
+fn shipped_title() -> String {
+    let hash = source().bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    format!("// Kernels of fdem {} {hash:016x}\n", env!("CARGO_PKG_VERSION"))
+}
+
+/// Compiles the kernels into PTX for a release to ship: for all cards, the example `ptx` writes it.
+///
+/// # Errors
+/// [`GpuError::NoCompiler`], [`GpuError::Compiler`].
+pub fn compile_to_ship() -> Result<String, GpuError> {
+    Ok(shipped_title() + &compile(OLDEST, false)?)
+}
+
+/// Whether this build has compiled kernels for machines without a compiler.
+pub fn has_shipped_kernels() -> bool {
+    SHIPPED.starts_with(&shipped_title())
 }
 
 /// Compiles the kernels into PTX for an architecture, 90 for compute capability 9.0. `contracted`: whether a

@@ -55,6 +55,14 @@ pub enum GpuError {
         /// The bytes that the elements have.
         needed: usize,
     },
+    /// An address at which the device has no memory.
+    #[error("the {what} are not in the memory of device {number}")]
+    Elsewhere {
+        /// Points or radii.
+        what: &'static str,
+        /// The number of the device.
+        number: usize,
+    },
     /// The device does not search this.
     #[error("a device does not search {what}")]
     Unsupported {

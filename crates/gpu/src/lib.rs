@@ -23,6 +23,7 @@
 //!   the step in which they begin to soften, break, or are handed over to contact. The device sends the rows
 //!   of its arrays that these need, and takes changed rows over (`patch.rs`). The run can go back at any
 //!   step.
+//! - [`memory_of`] counts the memory of such a run, by a device that only counts.
 //!
 //! # Sums
 //!
@@ -75,10 +76,13 @@ mod primitives;
 mod rows;
 mod solid;
 mod sorted;
+mod tally;
 mod watch;
 
 #[cfg(feature = "cuda")]
-pub use cuda::{Cuda, CudaMemory, DeviceInfo, compile, devices, opened};
+pub use cuda::{
+    Cuda, CudaMemory, DeviceInfo, compile, compile_to_ship, devices, has_shipped_kernels, opened,
+};
 pub use device::Device;
 pub use elements::{ElementKind, deform};
 pub use error::GpuError;
@@ -89,3 +93,4 @@ pub use joints::{exponentials, soften_ends};
 pub use rows::DeviceRows;
 pub use rows::placed::{PlacedCouples, PlacedElements, PlacedRadii};
 pub use solid::DeviceSolid;
+pub use tally::{Tally, TallyMemory, memory_of};

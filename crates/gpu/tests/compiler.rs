@@ -29,6 +29,22 @@ fn kernels_are_compiled_without_contraction() {
     assert!(compile(90, true).unwrap().contains("fma.rn.f64"), "this test would find it");
 }
 
+/// Kernels that a release ships say of which text they are, and this build has none, or those of its text.
+#[test]
+fn kernels_are_compiled_to_be_shipped() {
+    let text = fdem_gpu::compile_to_ship().unwrap();
+    let title = text.lines().next().unwrap();
+    assert!(
+        title.starts_with("// Kernels of fdem 0.") && title.split(' ').next_back().unwrap().len() == 16,
+        "{title}"
+    );
+    assert!(text.contains(".target sm_70") && !text.contains("fma."), "{title}");
+    for kernel in Kernel::ALL {
+        assert!(text.contains(&format!(".entry {}(", kernel.name())), "{}", kernel.name());
+    }
+    assert_eq!(fdem_gpu::has_shipped_kernels(), option_env!("FDEM_PTX").is_some());
+}
+
 /// Without a driver there is an error, and no panic.
 #[test]
 fn a_device_that_is_not_there_is_an_error() {

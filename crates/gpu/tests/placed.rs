@@ -156,3 +156,19 @@ fn memory_that_is_too_short_is_refused() {
     assert_eq!(message(5, PlacedRadii::One(1.0)), "the memory for points has 96 bytes, and 120 are needed");
     assert_eq!(message(4, PlacedRadii::Each(&radii)), "the memory for radii has 24 bytes, and 32 are needed");
 }
+
+/// The memory of the couples outlives the search.
+#[test]
+fn couples_are_taken_out_of_a_search() {
+    let host = Host(HostBuild::Ascending);
+    let memory = placed(host, &[0.0_f64, 0.0, 1.0, 0.0, 5.0, 0.0, 5.5, 0.0]);
+    let mut search = DeviceRows::<_, f64, 2>::new(&host);
+    let elements = PlacedElements { count: 4, points: &memory, radii: PlacedRadii::One(0.5), tolerance: 0.0 };
+    assert_eq!(search.find_placed(&elements).unwrap().len(), 2);
+    let couples = search.into_couples().unwrap();
+    assert_eq!(host.bytes(&couples), 16);
+    let mut bytes = [0; 16];
+    host.read(&couples, 0, &mut bytes).unwrap();
+    assert_eq!(bytemuck::cast::<_, [u32; 4]>(bytes), [0, 1, 2, 3]);
+    assert!(DeviceRows::<_, f64, 2>::new(&host).into_couples().is_none());
+}

@@ -23,6 +23,7 @@ pub(crate) mod overlaps;
 pub(crate) mod differences;
 pub(crate) mod scaling;
 pub(crate) mod on_ranks;
+pub(crate) mod device_forecast;
 pub(crate) mod clock;
 pub(crate) mod preflight;
 pub(crate) mod rehearsal;

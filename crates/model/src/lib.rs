@@ -62,7 +62,7 @@
 //! | supports of rigid bodies that cannot be | `src/stages/supports.rs` |
 //! | conditions that end a run or a stage, servos | `src/stages/conditions.rs` |
 //! | histories of probes, curves | `src/output/probes.rs`, `src/output/curves.rs` |
-//! | output and warnings of `fdem check` | `src/advice/preflight.rs`, `src/advice/warnings.rs` and the files beside it; with `--ranks`: `src/advice/on_ranks.rs`; the cost of breaking: `src/advice/rehearsal.rs` |
+//! | output and warnings of `fdem check` | `src/advice/preflight.rs`, `src/advice/warnings.rs` and the files beside it; with `--ranks`: `src/advice/on_ranks.rs`; with `--device`: `src/advice/device_forecast.rs`; the cost of breaking: `src/advice/rehearsal.rs` |
 //! | advice for quasi-static runs | `src/advice/quasi_static.rs` |
 //! | the part of a model that warnings of stress are about | `src/advice/deforming.rs` |
 //! | speeds and numbers with which no run is possible | `src/advice/too_fast.rs`, `src/advice/extreme.rs` |
@@ -83,6 +83,7 @@ mod vectors;
 mod initial;
 mod prepare;
 
+pub use advice::device_forecast::{Card, DeviceForecast, too_little_memory};
 pub use advice::differences::Modelled;
 pub use advice::locking;
 pub use advice::on_ranks::OnRanks;

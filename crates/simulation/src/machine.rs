@@ -15,6 +15,7 @@ mod threads;
 
 use std::fmt;
 
+use crate::accelerator::Accelerator;
 use crate::contacts::{Contacts, Touching};
 use crate::error::Stop;
 use crate::joints::{Joints, Pulling};
@@ -109,5 +110,10 @@ pub(crate) trait Machine<const D: usize, const N: usize>: fmt::Debug + Send + Sy
     /// the last step.
     fn settle(&mut self) -> Result<(), Stop> {
         Ok(())
+    }
+
+    /// The device that computes the phases, for another run; none if there is none.
+    fn into_device(self: Box<Self>) -> Option<Box<dyn Accelerator<D, N>>> {
+        None
     }
 }

@@ -445,6 +445,11 @@ pub(crate) struct BenchArguments {
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
     pub(crate) engines: Option<Vec<Contestant>>,
 
+    /// Also time the search on a graphics processor, `gpu` or `gpu:N` with a number of `fdem devices`, as the
+    /// first row: with the copies of elements and couples, in memory that it keeps.
+    #[arg(long, value_name = "DEVICE", default_value = "cpu")]
+    pub(crate) device: DeviceName,
+
     /// Vector instructions of the engines rows and multilevel.
     #[arg(long, value_enum, default_value_t = SimdName::Auto)]
     pub(crate) simd: SimdName,

@@ -13,6 +13,8 @@ use serde::Serialize;
 use fdem_results::detection::DetectionRequest;
 
 use crate::command::args::{BenchArguments, Contestant};
+use crate::command::device::{self, KeptSearch};
+use crate::command::device_name::DeviceName;
 use crate::command::failure::Failure;
 use crate::command::input::{self, Input, refusal, refused, sizes};
 use crate::command::output::{Output, refuse_to_overwrite};
@@ -68,6 +70,18 @@ fn measure<const D: usize>(
     // Elements that no engine accepts are an error, not a row of the table.
     let elements = request.elements(centres).map_err(|error| refused(name, packing, &error))?;
     let mut contenders = contenders(arguments, &elements)?;
+    if let DeviceName::Gpu(number) = arguments.device {
+        let search = device::search(number).map_err(|why| device::unusable(&why))?;
+        let contender = Contender {
+            search: AnySearch::Device { number, search },
+            simd: None,
+            threads: 0,
+            elements: elements.len(),
+            result: Ok(0),
+            times: Vec::with_capacity(arguments.repeat),
+        };
+        contenders.insert(0, contender);
+    }
 
     // There is no progress bar, because its thread would be measured too. All engines write into the same
     // list, so that they find the same memory allocated.
@@ -162,6 +176,7 @@ fn unusable(option: &str, error: &Error) -> Failure {
 struct Contender<const D: usize> {
     search: AnySearch<D>,
     simd: Option<Simd>,
+    /// 0 on a device.
     threads: usize,
     elements: usize,
     /// Couples of the latest run, or the reason why there is none.
@@ -175,6 +190,7 @@ enum AnySearch<const D: usize> {
     CGrid(Box<CGrid<f64, D>>),
     Nbs(Nbs<D>),
     Direct,
+    Device { number: usize, search: KeptSearch<D> },
 }
 
 impl<const D: usize> Contender<D> {
@@ -201,23 +217,27 @@ impl<const D: usize> Contender<D> {
     fn row(mut self, packing: &Packing) -> EngineRow {
         self.times.sort_unstable();
         let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
-        let (engine, bytes) = match &self.search {
-            AnySearch::Rows(rows) => (Engine::Rows, rows.bytes()),
-            AnySearch::Multilevel(levels) => (Engine::Multilevel, levels.bytes()),
-            AnySearch::CGrid(cgrid) => (Engine::CGrid, cgrid.bytes()),
-            AnySearch::Nbs(nbs) => (Engine::Nbs, nbs.integers() * size_of::<u32>()),
-            AnySearch::Direct => (Engine::Direct, 0),
+        let (engine, bytes, device) = match &self.search {
+            AnySearch::Rows(rows) => (Engine::Rows, Some(rows.bytes()), None),
+            AnySearch::Multilevel(levels) => (Engine::Multilevel, Some(levels.bytes()), None),
+            AnySearch::CGrid(cgrid) => (Engine::CGrid, Some(cgrid.bytes()), None),
+            AnySearch::Nbs(nbs) => (Engine::Nbs, Some(nbs.integers() * size_of::<u32>()), None),
+            AnySearch::Direct => (Engine::Direct, Some(0), None),
+            AnySearch::Device { number, .. } => (Engine::Rows, None, Some(format!("gpu:{number}"))),
         };
         let ran = self.result.is_ok();
         EngineRow {
             engine: engine.name(),
             simd: self.simd.map(Simd::name),
+            device,
             threads: self.threads,
             elements: self.elements,
             couples: self.result.as_ref().ok().copied(),
             median_ms: median(&self.times).filter(|_| ran).map(milliseconds),
             best_ms: self.times.first().copied().filter(|_| ran).map(milliseconds),
-            bytes_per_element: (ran && self.elements > 0).then(|| bytes as f64 / self.elements as f64),
+            bytes_per_element: bytes
+                .filter(|_| ran && self.elements > 0)
+                .map(|bytes| bytes as f64 / self.elements as f64),
             refused: self.result.err().map(|error| refusal(packing, &error)),
         }
     }
@@ -238,6 +258,7 @@ impl<const D: usize> AnySearch<D> {
             Self::CGrid(cgrid) => cgrid.couples(&elements, couples),
             Self::Nbs(nbs) => nbs.couples(&elements, couples),
             Self::Direct => Direct.couples(&elements, couples),
+            Self::Device { search, .. } => search(&elements, couples),
         }?;
         Ok(black_box(couples).len())
     }
@@ -255,6 +276,10 @@ fn median(times: &[Duration]) -> Option<Duration> {
 struct EngineRow {
     engine: &'static str,
     simd: Option<&'static str>,
+    /// The graphics processor; left out on the processor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    device: Option<String>,
+    /// Number of threads; 0 on a graphics processor.
     threads: usize,
     elements: usize,
     couples: Option<usize>,
@@ -298,8 +323,8 @@ impl Report {
         };
         [
             row.engine.to_owned(),
-            row.simd.unwrap_or("-").to_owned(),
-            row.threads.to_string(),
+            row.device.as_deref().or(row.simd).unwrap_or("-").to_owned(),
+            if row.device.is_some() { "-".to_owned() } else { row.threads.to_string() },
             median,
             best,
             number(nanoseconds_per(row.elements), 1),
@@ -360,6 +385,7 @@ mod tests {
         EngineRow {
             engine,
             simd: None,
+            device: None,
             threads: 1,
             elements: 1000,
             couples,
@@ -394,6 +420,25 @@ rows    -           1      0.500    0.500       500.0     1000.0      500       
 nbs     -           1    refused        -           -          -        -              -           -
 direct  -           1      2.000    2.000      2000.0     4000.0      500           12.0         1.0
 nbs refused: too wide
+"
+        );
+    }
+
+    #[test]
+    fn a_device_has_its_name_and_no_threads() {
+        let of_device = EngineRow {
+            device: Some("gpu:1".to_owned()),
+            threads: 0,
+            bytes_per_element: None,
+            ..row("rows", Some(500), Some(0.25))
+        };
+        let rows = vec![of_device, row("direct", Some(500), Some(2.0))];
+        assert_eq!(
+            Report { rows }.to_string(),
+            "\
+engine  simd   threads  median ms  best ms  ns/element  ns/couple  couples  bytes/element  direct = 1
+rows    gpu:1        -      0.250    0.250       250.0      500.0      500              -         8.0
+direct  -            1      2.000    2.000      2000.0     4000.0      500           12.0         1.0
 "
         );
     }

@@ -1,5 +1,6 @@
 //! `fdem check` reports errors, warnings and estimates of a model before it runs.
 
+mod on_device;
 mod picture;
 
 use std::io::Write;
@@ -8,6 +9,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::command::args::CheckArguments;
+use crate::command::device_name::DeviceName;
 use crate::command::failure::{Failure, display_name};
 use crate::command::memory;
 use crate::command::model_file::{inputs_of, read_text, refused, with_settings};
@@ -127,6 +129,15 @@ fn preflight(path: &Path, arguments: &CheckArguments) -> Result<Preflight, Probl
     match &prepared {
         AnyPrepared::Plane(prepared) => rehearse(&mut preflight, prepared, (path, &text), &progress),
         AnyPrepared::Space(prepared) => rehearse(&mut preflight, prepared, (path, &text), &progress),
+    }
+    if let DeviceName::Gpu(number) = arguments.device {
+        let (forecast, _) = progress.step("counting the memory on the device", None, |_| match &prepared {
+            AnyPrepared::Plane(prepared) => on_device::forecast(number, prepared, preflight.steps),
+            AnyPrepared::Space(prepared) => on_device::forecast(number, prepared, preflight.steps),
+        });
+        let wrong =
+            |why| Problem::Other(Failure::Unusable(format!("{name} cannot run with --device gpu: {why}")));
+        preflight.on_device = Some(forecast.map_err(wrong)?);
     }
     Ok(preflight)
 }

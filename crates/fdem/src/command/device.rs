@@ -1,12 +1,16 @@
 //! Where a search or a run is computed: on the processor or on a graphics processor.
 
-use fdem_contact::Simd;
+use fdem_contact::{Couple, Elements, Error, Simd};
 use fdem_results::detection::DeviceSearch;
 
 use crate::command::args::ContactsArguments;
 use crate::command::device_name::DeviceName;
 use crate::command::failure::Failure;
 use crate::command::output::print;
+
+/// A search that keeps its memory from one list of couples to the next.
+pub(crate) type KeptSearch<const D: usize> =
+    Box<dyn FnMut(&Elements<'_, f64, D>, &mut Vec<Couple>) -> Result<(), Error>>;
 
 /// The device of a search for contacts; `None` for the processor.
 pub(crate) fn of(arguments: &ContactsArguments) -> Result<Option<Box<dyn DeviceSearch>>, Failure> {
@@ -19,7 +23,7 @@ pub(crate) fn check(number: usize) -> Result<(), Failure> {
     opened(number).map(drop).map_err(|reason| unusable(&reason))
 }
 
-fn unusable(reason: &str) -> Failure {
+pub(crate) fn unusable(reason: &str) -> Failure {
     Failure::Unusable(format!("--device gpu: {reason}"))
 }
 
@@ -58,8 +62,11 @@ pub(crate) fn list() -> Result<(), Failure> {
 
 #[cfg(not(feature = "gpu"))]
 mod without {
+    use fdem_model::Card;
     use fdem_results::detection::DeviceSearch;
-    use fdem_simulation::Accelerator;
+    use fdem_simulation::Simulation;
+
+    use super::KeptSearch;
 
     const WITHOUT: &str =
         "this fdem is built without graphics processors (cargo install --path crates/fdem --features gpu)";
@@ -68,9 +75,24 @@ mod without {
         Err(WITHOUT.to_owned())
     }
 
-    pub(crate) fn accelerator<const D: usize, const N: usize>(
+    pub(crate) fn search<const D: usize>(_: usize) -> Result<KeptSearch<D>, String> {
+        Err(WITHOUT.to_owned())
+    }
+
+    pub(crate) fn put_on<const D: usize, const N: usize>(
         _: usize,
-    ) -> Result<Box<dyn Accelerator<D, N>>, String> {
+        _: &mut Simulation<D, N>,
+    ) -> Result<(), String> {
+        Err(WITHOUT.to_owned())
+    }
+
+    pub(crate) fn memory_of<const D: usize, const N: usize>(
+        _: &mut Simulation<D, N>,
+    ) -> Result<usize, String> {
+        Err(WITHOUT.to_owned())
+    }
+
+    pub(crate) fn card(_: usize) -> Result<Card, String> {
         Err(WITHOUT.to_owned())
     }
 
@@ -80,7 +102,7 @@ mod without {
 }
 
 #[cfg(not(feature = "gpu"))]
-pub(crate) use without::accelerator;
+pub(crate) use without::{card, memory_of, put_on, search};
 #[cfg(not(feature = "gpu"))]
 use without::{graphics_processors, opened};
 
@@ -88,9 +110,14 @@ use without::{graphics_processors, opened};
 mod with {
     use std::sync::Arc;
 
-    use fdem_gpu::{Cuda, DeviceRows, DeviceSolid, devices};
+    use fdem_contact::{Couple, Elements, Search};
+    use fdem_gpu::{Cuda, DeviceRows, DeviceSolid, GpuError, devices};
+    use fdem_model::{Card, too_little_memory};
     use fdem_results::detection::{DeviceSearch, SearchOfDevice};
-    use fdem_simulation::Accelerator;
+    use fdem_simulation::Simulation;
+
+    use super::KeptSearch;
+    use crate::command::run::results::Results;
 
     #[derive(Debug)]
     struct Opened(Arc<Cuda>);
@@ -110,12 +137,53 @@ mod with {
         }
     }
 
-    /// A device for the phases of a run.
-    pub(crate) fn accelerator<const D: usize, const N: usize>(
-        number: usize,
-    ) -> Result<Box<dyn Accelerator<D, N>>, String> {
+    /// A search on a device.
+    pub(crate) fn search<const D: usize>(number: usize) -> Result<KeptSearch<D>, String> {
         let device = fdem_gpu::opened(number).map_err(|error| error.to_string())?;
-        Ok(Box::new(DeviceSolid::new(device)))
+        // A device stays open to the end of the program.
+        let device: &'static Cuda = Box::leak(Box::new(device));
+        let mut search = DeviceRows::<Cuda, f64, D>::new(device);
+        let couples = move |elements: &Elements<'_, f64, D>, couples: &mut Vec<Couple>| {
+            search.couples(elements, couples)
+        };
+        Ok(Box::new(couples))
+    }
+
+    /// Puts a run on a device. The error of a device with too little memory says how much would fit.
+    pub(crate) fn put_on<const D: usize, const N: usize>(
+        number: usize,
+        run: &mut Simulation<D, N>,
+    ) -> Result<(), String>
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        let words = |error: GpuError| error.to_string();
+        let device = fdem_gpu::opened(number).map_err(words)?;
+        let Err(refused) = run.put_on(Box::new(DeviceSolid::new(Arc::clone(&device)))) else { return Ok(()) };
+        let (free, elements) = (device.free_memory().map_err(words)?, run.model().mesh.elements.len());
+        let needed = memory_of(run)?;
+        if needed <= free {
+            return Err(refused.to_string());
+        }
+        Err(too_little_memory(&device.info().name, [needed as f64, free as f64], elements))
+    }
+
+    /// The memory of a run on a device, bytes, or why no device computes it.
+    pub(crate) fn memory_of<const D: usize, const N: usize>(
+        run: &mut Simulation<D, N>,
+    ) -> Result<usize, String>
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        fdem_gpu::memory_of(run).map_err(|error| error.to_string())
+    }
+
+    /// The graphics processor with a number, or why there is none.
+    pub(crate) fn card(number: usize) -> Result<Card, String> {
+        let found = devices().map_err(|error| error.to_string())?;
+        let none = GpuError::NoDevice { number, count: found.len() };
+        let card = found.into_iter().nth(number).ok_or_else(|| none.to_string())?;
+        Ok(Card { name: card.name, memory: card.memory as f64 })
     }
 
     pub(super) fn graphics_processors() -> Result<Vec<String>, String> {
@@ -133,6 +201,6 @@ mod with {
 }
 
 #[cfg(feature = "gpu")]
-pub(crate) use with::accelerator;
+pub(crate) use with::{card, memory_of, put_on, search};
 #[cfg(feature = "gpu")]
 use with::{graphics_processors, opened};

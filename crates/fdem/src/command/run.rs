@@ -117,7 +117,8 @@ where
     // The estimates use a separate simulation, which is dropped before the simulation of the run is made.
     let (ready, _) = progress.step("preparing the run", None, |_| {
         let preflight = Preflight::of(&start.prepared)?;
-        let (simulation, told) = start.simulation(lead.threads)?;
+        let (mut simulation, told) = start.simulation(lead.threads)?;
+        lead.put_on_device(&mut simulation)?;
         Ok((preflight, simulation, told))
     });
     let (mut preflight, simulation, taken) = ready.map_err(unusable)?;
@@ -204,7 +205,7 @@ where
     lead.check(&start).map_err(unusable)?;
     let prepared = &start.prepared;
     let (simulation, _) = progress.step("preparing the run", None, |_| start.resumed(state, lead.threads));
-    let simulation = simulation.map_err(|error| unusable(error.to_string()))?;
+    let mut simulation = simulation.map_err(|error| unusable(error.to_string()))?;
     let (_, steps) = steps(prepared, simulation.critical_step().step).map_err(unusable)?;
     if steps < step {
         return Err(unusable(format!(
@@ -226,6 +227,7 @@ where
             }
         ));
     }
+    lead.put_on_device(&mut simulation).map_err(unusable)?;
     let recorder = Recorder::going_on(&folder, prepared, &saved.manifest, &intact)?;
     if arguments.end_time.is_some() {
         folder.write(MODEL, text.as_bytes())?;
@@ -436,6 +438,9 @@ where
                 ),
                 signal,
             }),
+            End::Stopped(stop @ Stop::Device(_)) => Err(Failure::Wrong(format!(
+                "{stop}\n`fdem resume {place}` continues the run from its last checkpoint, on this device or without it"
+            ))),
             End::Stopped(stop) => Err(Failure::Wrong(format!(
                 "{stop}\n{}the last frame in {place} shows this state; the checkpoint is from an earlier step",
                 self.possible_causes()
@@ -472,6 +477,8 @@ where
                 }
             }
             // The frame shows the reason. The last good checkpoint is kept.
+            // The state of a device that has failed is lost.
+            End::Stopped(Stop::Device(_)) => {}
             End::Stopped(_) if self.framed == Some(self.course.run.steps()) => {}
             End::Stopped(_) => self.frame(false)?,
         }

@@ -72,6 +72,28 @@ fn options_that_do_not_go_with_a_device_are_refused() {
     refused(&["--device", "gpu", "packing.csv"], "--device gpu does not go with more than one file");
 }
 
+#[test]
+fn a_device_is_timed_or_says_why_not() {
+    let bench = Bench::new();
+    bench.run(&["generate", "gas", "-n", "2000", "--output", "gas.csv"]).succeeds();
+    let with = |device: &str| {
+        bench.run(&["bench", "gas.csv", "--repeat", "1", "--device", device, "--json", "t.json"])
+    };
+    if has_device(&bench) {
+        with("gpu").succeeds();
+        let rows = bench.json("t.json");
+        assert_eq!([&rows[0]["engine"], &rows[0]["device"]], ["rows", "gpu:0"]);
+        assert_eq!(rows[0]["couples"], rows[1]["couples"]);
+    } else {
+        with("gpu").refused_with(&["--device gpu: "]);
+        assert!(!bench.path("t.json").exists());
+    }
+    with("gpu:1000").refused_with(&["--device gpu: "]);
+    with("tpu").refused_with(&["give cpu, gpu, or gpu:N"]);
+    with("cpu").succeeds();
+    assert!(bench.json("t.json")[0].get("device").is_none());
+}
+
 /// An elastic bar that is hit at one end.
 const BAR: &str = r#"
 [model]
@@ -113,4 +135,79 @@ fn a_run_on_a_device_has_the_results_of_the_processor_or_says_why_not() {
     }
     with("gpu:1000", "other").refused_with(&["--device gpu: "]);
     assert!(!bench.path("other").exists());
+}
+
+/// A check has the memory of a run on a device, whether there is one or not.
+#[test]
+fn a_run_on_a_device_is_estimated() {
+    let bench = Bench::new();
+    bench.write("bar.toml", BAR);
+    let has_device = has_device(&bench);
+    let run = bench.run(&["check", "bar.toml", "--device", "gpu"]).succeeds();
+    let parts: &[&str] = if has_device {
+        &["device           gpu:0, ", "  memory         it fits"]
+    } else {
+        &["device           gpu:0 is not on this machine: "]
+    };
+    for part in parts.iter().chain(&["  arrays         ", " bytes for each element", "a guess of "]) {
+        assert!(run.stdout.contains(part), "{part:?} is not in\n{}", run.stdout);
+    }
+    let run = bench.run(&["check", "bar.toml", "--device", "gpu:1000", "--json"]).succeeds();
+    let json: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let device = &json["on_device"];
+    assert!(
+        device["missing"].is_string() && device["card"].is_null() && device["fits"].is_null(),
+        "{device}"
+    );
+    assert_eq!(device["elements"], json["quality"]["elements"]);
+    let bytes = device["memory"].as_f64().unwrap() / device["elements"].as_f64().unwrap();
+    assert!((200.0..400.0).contains(&bytes), "{bytes} bytes for each element");
+    let plain = bench.run(&["check", "bar.toml", "--json"]).succeeds();
+    assert!(!plain.stdout.contains("on_device"));
+
+    let rigid = BAR.replace("mesh_size = 0.01", "mesh_size = 0.01\nrigid = true");
+    bench.write("rigid.toml", rigid);
+    bench
+        .run(&["check", "rigid.toml", "--device", "gpu"])
+        .refused_with(&["rigid.toml cannot run with --device gpu: a device does not compute rigid bodies"]);
+    bench.run(&["check", "bar.toml", "--device", "gpu", "--ranks", "2"]).refused_with(&["--ranks"]);
+    bench.run(&["check", "bar.toml", "--device", "tpu"]).refused_with(&["give cpu, gpu, or gpu:N"]);
+}
+
+/// A check and a run take stages on a device.
+#[test]
+fn a_run_in_stages_goes_to_a_device_too() {
+    let bench = Bench::new();
+    let stages = "\n[[stage]]\nname = \"blown\"\nduration = 3e-5\n\n[[stage]]\nname = \"free\"\nexcavate_boxes = [[0.1501, 0, 0.2, 0.02]]\n";
+    bench.write("bar.toml", BAR.to_owned() + stages);
+    let run = bench.run(&["check", "bar.toml", "--device", "gpu"]).succeeds();
+    assert!(run.stdout.contains(" in the first stage: "), "{}", run.stdout);
+    let with = |device: &str, output: &str| {
+        bench.run(&["run", "bar.toml", "--device", device, "--output", output, "--quiet"])
+    };
+    with("cpu", "on_cpu").succeeds();
+    if has_device(&bench) {
+        with("gpu", "on_gpu").succeeds();
+        assert_eq!(bench.read("on_cpu/history.csv"), bench.read("on_gpu/history.csv"));
+    } else {
+        with("gpu", "on_gpu").refused_with(&["--device gpu: "]);
+    }
+}
+
+/// `just gpu` fails where there is no graphics processor, before it does anything.
+#[cfg(unix)]
+#[test]
+fn the_checks_that_need_a_device_fail_without_one() {
+    let bench = Bench::new();
+    if has_device(&bench) {
+        return;
+    }
+    let run = std::process::Command::new("bash")
+        .arg(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.ci/gpu"))
+        .env("FDEM", assert_cmd::cargo::cargo_bin!("fdem"))
+        .output()
+        .unwrap();
+    let said = String::from_utf8(run.stderr).unwrap();
+    assert_eq!(run.status.code(), Some(1), "{said}");
+    assert_eq!(said, "FAILED: there is no graphics processor, and all that follows needs one\n");
 }

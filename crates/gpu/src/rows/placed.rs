@@ -92,6 +92,12 @@ impl<D: Device, T: Real + Pod, const N: usize> DeviceRows<'_, D, T, N> {
         Ok(PlacedCouples { device: self.device, list: &self.couples, count })
     }
 
+    /// The memory that begins with the couples of the last search, and is freed when it is dropped; `None` if
+    /// there were never any. All other memory of the search is freed now.
+    pub fn into_couples(self) -> Option<D::Memory> {
+        self.couples.into_memory()
+    }
+
     /// Where the elements are; memory that is too short is refused.
     fn places(&self, elements: &PlacedElements<'_, D::Memory, T>) -> Result<Places, GpuError> {
         let device = self.device;

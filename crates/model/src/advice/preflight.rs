@@ -12,6 +12,7 @@ use crate::advice::amounts::{YEAR, duration, size};
 use crate::advice::clock::processor_time;
 use crate::advice::compliance;
 use crate::advice::deforming;
+use crate::advice::device_forecast::DeviceForecast;
 use crate::advice::on_ranks::OnRanks;
 use crate::advice::overlaps;
 use crate::advice::scaling;
@@ -171,6 +172,9 @@ pub struct Preflight {
     /// Estimates for a run on many ranks, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_ranks: Option<OnRanks>,
+    /// Estimates for a run on a graphics processor, if requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_device: Option<DeviceForecast>,
     /// Share by which joints that are there from the beginning make bodies softer, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub softer_by_joints: Option<f64>,
@@ -290,6 +294,7 @@ impl Preflight {
                 has_spheres: model.grains.is_some(),
                 ..OnRanks::of(forecast, [pace.whole, pace.breaking], steps, PROGRAM)
             }),
+            on_device: None,
             memory: PROGRAM
                 + of_spheres(model, SPHERE.bytes)
                 + sum(model, |cost| cost.bytes).max(in_report(prepared, steps)),
@@ -514,6 +519,9 @@ impl fmt::Display for Preflight {
         self.write_cost(out)?;
         if let Some(on_ranks) = &self.on_ranks {
             write!(out, "{on_ranks}")?;
+        }
+        if let Some(on_device) = &self.on_device {
+            write!(out, "{on_device}")?;
         }
         writeln!(out, "model            {}", &self.hash[..self.hash.len().min(16)])?;
         for warning in &self.warnings {

@@ -411,6 +411,10 @@ where
         self.columns();
         self.failure().map_or(Ok(()), Err)
     }
+
+    fn into_device(self: Box<Self>) -> Option<Box<dyn Accelerator<D, N>>> {
+        Some(self.device.into_inner().unwrap_or_else(PoisonError::into_inner))
+    }
 }
 
 fn sum_of(parts: &DeviceSum) -> Sum {

@@ -40,6 +40,19 @@ where
         Ok(())
     }
 
+    /// Continues with a run that has the state of this one, such as that of the next stage. The times and the
+    /// number of detections count from the beginning of this one, and a law of the caller for spheres stays.
+    /// A run on a device stays there, in the memory that this one has taken.
+    ///
+    /// # Errors
+    /// The errors of [`Self::put_on`] if this run is on a device; the new one is on the processor then.
+    pub fn replace(&mut self, mut with: Self) -> Result<(), ModelError> {
+        with.go_on(self.timings(), self.contacts().detections());
+        with.actions.spheres.keep_law(&mut self.actions.spheres);
+        let before = std::mem::replace(self, with);
+        before.machine.into_device().map_or(Ok(()), |device| self.put_on(device))
+    }
+
     /// Takes the run back from a device to the threads of the processor.
     pub fn take_back(&mut self) {
         let columns = self.machine.columns().clone();

@@ -434,14 +434,6 @@ where
         Timings { spheres, integration: self.timings.integration.saturating_sub(spheres), ..self.timings }
     }
 
-    /// Continues with a run that has the state of this one, such as that of the next stage. The times and the
-    /// number of detections count from the beginning of this one, and a law of the caller for spheres stays.
-    pub fn replace(&mut self, mut with: Self) {
-        with.go_on(self.timings(), self.contacts().detections());
-        with.actions.spheres.keep_law(&mut self.actions.spheres);
-        *self = with;
-    }
-
     /// Adds computing time and a number of detections of the run before.
     pub(crate) fn go_on(&mut self, timings: Timings, detections: u64) {
         self.actions.spheres.spent += timings.spheres;

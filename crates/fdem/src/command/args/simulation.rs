@@ -57,7 +57,7 @@ pub(crate) struct MaterialsArguments {
 /// memory, and warnings.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  fdem check model.toml --picture model.png\n  fdem check model.toml --ranks 64"
+    after_help = "Examples:\n  fdem check model.toml --picture model.png\n  fdem check model.toml --ranks 64\n  fdem check model.toml --device gpu"
 )]
 pub(crate) struct CheckArguments {
     /// The model, a TOML file. Paths of meshes and packings in it are relative to its folder.
@@ -78,6 +78,12 @@ pub(crate) struct CheckArguments {
     #[arg(long, value_name = "RANKS", allow_negative_numbers = true, value_parser = ranks)]
     pub(crate) ranks: Option<usize>,
 
+    /// Also estimate a run on a graphics processor, `gpu` or `gpu:N` with a number of `fdem devices`: its
+    /// memory there, whether it fits, and a guess of its time. A model that it does not compute is refused.
+    /// Without such a card there is all but the fit.
+    #[arg(long, value_name = "DEVICE", default_value = "cpu", conflicts_with = "ranks")]
+    pub(crate) device: DeviceName,
+
     /// Also draw the model: bodies by colour, joint sets, boundaries and histories at points, with a legend
     /// that names them and lists the stages. Nothing is simulated.
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = drawing)]
@@ -88,7 +94,7 @@ pub(crate) struct CheckArguments {
     pub(crate) picture_width: Option<u32>,
 
     /// Print the JSON schema of model files, for editors: keys, descriptions, types, ranges, defaults.
-    #[arg(long, conflicts_with_all = ["model", "json", "ranks", "set", "picture"])]
+    #[arg(long, conflicts_with_all = ["model", "json", "ranks", "device", "set", "picture"])]
     pub(crate) schema: bool,
 }
 

@@ -162,8 +162,10 @@ where
     }
 
     fn replace(&mut self, with: Self) -> Result<(), String> {
-        self.replace(with);
-        Ok(())
+        // Only a device refuses a run.
+        self.replace(with).map_err(|error| {
+            format!("--device gpu: {error}. `fdem resume` continues the run on the processor, from its last checkpoint")
+        })
     }
 
     fn elements(&self) -> usize {

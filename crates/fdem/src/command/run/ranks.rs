@@ -50,14 +50,11 @@ impl<'c> RunRanks<'c> {
         Ok(Some(this))
     }
 
-    /// Refuses more ranks than a model has elements, several ranks for spheres alone, and stages on a device.
+    /// Refuses more ranks than a model has elements, and several ranks for spheres alone.
     pub(super) fn check<const D: usize, const N: usize>(&self, start: &Start<D, N>) -> Result<(), String>
     where
         [[f64; D]; N]: Results<D, N>,
     {
-        if self.device != DeviceName::Cpu && start.stages.is_some() {
-            return Err("--device gpu does not go with [[stage]]".to_owned());
-        }
         let elements = start.prepared.model.mesh.elements.len();
         match self.ranks.map(Communicator::size) {
             Some(ranks) if ranks > 1 && elements == 0 => Err(ModelError::GrainsOnRanks.to_string()),
@@ -67,20 +64,27 @@ impl<'c> RunRanks<'c> {
         }
     }
 
-    /// Distributes a simulation among the ranks, or puts it on its device.
+    /// Puts a simulation on its device, which may have too little memory: before anything is written.
+    pub(super) fn put_on_device<const D: usize, const N: usize>(
+        &self,
+        run: &mut Simulation<D, N>,
+    ) -> Result<(), String>
+    where
+        [[f64; D]; N]: Results<D, N>,
+    {
+        let DeviceName::Gpu(number) = self.device else { return Ok(()) };
+        device::put_on(number, run).map_err(|why| format!("--device gpu: {why}"))
+    }
+
+    /// Distributes a simulation among the ranks.
     pub(super) fn distribute<const D: usize, const N: usize>(
         mut self,
-        mut run: Simulation<D, N>,
+        run: Simulation<D, N>,
     ) -> Result<Box<dyn Engine<D, N> + 'c>, String>
     where
         [[f64; D]; N]: Results<D, N>,
     {
         self.followed = true;
-        if let DeviceName::Gpu(number) = self.device {
-            let wrong = |why: &str| format!("--device gpu: {why}");
-            let device = device::accelerator(number).map_err(|why| wrong(&why))?;
-            run.put_on(device).map_err(|error| wrong(&error.to_string()))?;
-        }
         // Spheres alone have nothing to divide.
         let ranks = self.ranks.filter(|_| !run.model().mesh.elements.is_empty());
         let Some(ranks) = ranks else { return Ok(Box::new(run)) };
