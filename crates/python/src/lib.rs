@@ -39,6 +39,7 @@
 //! | fields of results in Python | `src/fields.rs`, `python/fdem/_fields.py`; the table: `crates/results/src/fields/table.rs` |
 //! | sweeps in Python | `src/sweep.rs`, `python/fdem/_sweep.py`; below them `crates/fdem/src/command/sweep.rs` |
 //! | folders of results in Python | `python/fdem/_results.py`, `python/fdem/_vtk.py` |
+//! | graphics processors in Python | `src/device.rs`; arrays that are there: `src/placed.rs`, `src/dlpack.rs`, `python/fdem/_on_device.py` |
 //! | Ctrl-C during a search | `src/interrupt.rs`, `crates/contact/src/stop.rs` |
 //! | analysis and pictures in Python | `src/network.rs`, `python/fdem/_analysis.py` |
 
@@ -51,7 +52,9 @@ mod problem;
 mod tasks;
 
 mod device;
+mod dlpack;
 mod elements;
+mod placed;
 mod search;
 mod shifted;
 mod measure;
@@ -92,6 +95,11 @@ fn _fdem(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<elements::Elements>()?;
     module.add_class::<buffered::Buffered>()?;
     module.add_class::<kdtree::PyTree>()?;
+    module.add_class::<dlpack::Tensor>()?;
+    module.add_function(wrap_pyfunction!(dlpack::dlpack_of_rows, module)?)?;
+    #[cfg(feature = "gpu")]
+    module.add_class::<placed::DeviceCouples>()?;
+    module.add_function(wrap_pyfunction!(placed::contacts_on_device, module)?)?;
     module.add_function(wrap_pyfunction!(search::contacts, module)?)?;
     module.add_function(wrap_pyfunction!(measure::within_cutoffs, module)?)?;
     module.add_function(wrap_pyfunction!(search::verify, module)?)?;

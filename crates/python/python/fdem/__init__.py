@@ -12,6 +12,7 @@
 you have                                          use
 ================================================= ====================================================
 spheres, discs, or points with a cut-off          :func:`contacts`
+arrays on a graphics processor                    :func:`contacts_on_device`
 axis-aligned boxes                                :func:`boxes`
 a mesh of triangles or tetrahedra                 :func:`mesh`
 an image whose labels are bodies                  :func:`labels`
@@ -47,6 +48,7 @@ from ._labels import LabelContacts, labels
 from ._mesh import BodyContacts, MeshContacts, WallContacts, mesh, walls
 from ._model import Model, material
 from ._neighbors import NeighborList
+from ._on_device import DeviceContacts, contacts_on_device
 from ._picture import Picture
 from ._query import Neighbours, query
 from ._read import Frames, Mesh, Packing, frames, read
@@ -65,6 +67,7 @@ __all__ = [
     "CrossContacts",
     "Csr",
     "Detector",
+    "DeviceContacts",
     "Field",
     "Frame",
     "Frames",
@@ -88,6 +91,7 @@ __all__ = [
     "between",
     "boxes",
     "contacts",
+    "contacts_on_device",
     "fields",
     "frames",
     "labels",
