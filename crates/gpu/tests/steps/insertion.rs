@@ -154,9 +154,9 @@ impl Device for Traffic {
     }
 }
 
-/// A run of a body that is drawn with a strain rate, 1/s, and breaks at a tensile strength, Pa, if it has one.
-/// Returns the bytes that all columns have, at most, and the traffic of steps, some at a time, with the number
-/// of their insertions.
+/// A run of a body that is drawn with a strain rate, 1/s, and breaks at a tensile strength, Pa, if it has
+/// one. Returns the bytes that all columns have, at most, and the traffic of steps, some at a time, with the
+/// number of their insertions.
 fn drawn<const D: usize, const N: usize>(
     rate: f64,
     strength: Option<f64>,
