@@ -11,6 +11,7 @@
 #include "joints.h"
 #include "watch.h"
 #include "patch.h"
+#include "contact.h"
 #include "step.h"
 
 // Several builds are linked into one program, so the name begins with that of the build.

@@ -19,6 +19,7 @@ const u32 THREADS = 256;
 #ifdef __CUDACC_RTC__
 
 #define INLINE static __device__ __forceinline__
+#define FUNCTION static __device__ __noinline__
 #define SHARED __shared__
 #define EACH_THREAD(t) for (u32 t = threadIdx.x, more = 1; more; more = 0, __syncthreads())
 #define KERNEL(name, Arguments) \
@@ -39,6 +40,7 @@ INLINE void set_flag(u32 *flag) { atomicOr(flag, 1u); }
 #include <string.h>
 
 #define INLINE static inline
+#define FUNCTION static
 #define SHARED
 #ifdef DESCENDING
 #define EACH_THREAD(t) for (u32 t = THREADS; t-- > 0;)

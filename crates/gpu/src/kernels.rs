@@ -82,6 +82,12 @@ kernels! {
     Exponentials = exponentials,
     PullJoints2 = pull_joints_2,
     PullJoints3 = pull_joints_3,
+    PressCouples2 = press_couples_2,
+    PressCouples3 = press_couples_3,
+    GatherCouples2 = gather_couples_2,
+    GatherCouples3 = gather_couples_3,
+    PressCases2 = press_cases_2,
+    PressCases3 = press_cases_3,
     SolidDeform2 = solid_deform_2,
     SolidDeform3 = solid_deform_3,
     AddForces2 = add_forces_2,
@@ -109,6 +115,7 @@ pub fn source() -> String {
         include_str!("../kernels/joints.h"),
         include_str!("../kernels/watch.h"),
         include_str!("../kernels/patch.h"),
+        include_str!("../kernels/contact.h"),
         include_str!("../kernels/step.h"),
     ];
     let lines = files.iter().flat_map(|file| file.lines());
@@ -403,6 +410,51 @@ pub(crate) struct SolidNodeArguments {
 pub(crate) struct NumberArguments {
     pub(crate) numbers: Address,
     pub(crate) count: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct CoupleArguments {
+    pub(crate) positions: Address,
+    pub(crate) velocities: Address,
+    pub(crate) corners: Address,
+    pub(crate) elements: Address,
+    pub(crate) marks: Address,
+    pub(crate) laws: Address,
+    pub(crate) states: Address,
+    pub(crate) apart_until: Address,
+    pub(crate) grips: Address,
+    pub(crate) forces: Address,
+    pub(crate) energies: Address,
+    pub(crate) sums: Address,
+    pub(crate) mosts: Address,
+    pub(crate) grains: [f64; 2],
+    pub(crate) step: f64,
+    pub(crate) travel: f64,
+    pub(crate) still_ignored: f64,
+    pub(crate) count: u64,
+    pub(crate) blocks: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct CoupleForceArguments {
+    pub(crate) elements: Address,
+    pub(crate) starts: Address,
+    pub(crate) sides: Address,
+    pub(crate) states: Address,
+    pub(crate) added: Address,
+    pub(crate) forces: Address,
+    pub(crate) count: u64,
+}
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ContactCaseArguments {
+    pub(crate) cases: Address,
+    pub(crate) count: u64,
+    pub(crate) step: f64,
+    pub(crate) still_ignored: f64,
 }
 
 #[derive(Clone, Copy, Pod, Zeroable)]

@@ -17,12 +17,12 @@
 //! - [`deform`] computes single elements.
 //! - [`DeviceSolid`] computes phases of a step for a simulation of fdem-simulation, which
 //!   [`put_on`](fdem_simulation::Simulation::put_on) hands over to it: elements with initial stress and
-//!   viscosity, joints that are whole or soften, forces on corners, supports and prescribed motions, gravity,
-//!   damping, and all sums of energies and works. It finds the elements whose facets may fail. The processor
-//!   computes the rest of such a run: contacts, loads, rigid bodies, insertion and splitting, and joints in
-//!   the step in which they begin to soften, break, or are handed over to contact. The device sends the rows
-//!   of its arrays that these need, and takes changed rows over (`patch.rs`). The run can go back at any
-//!   step.
+//!   viscosity, joints that are whole or soften, contacts between elements, forces on corners, supports and
+//!   prescribed motions, gravity, damping, and all sums of energies and works. It finds the elements whose
+//!   facets may fail. The processor computes the rest of such a run: loads, the search of couples that may
+//!   touch, rigid bodies, insertion and splitting, and joints in the step in which they begin to soften,
+//!   break, or are handed over to contact. The device sends the rows of its arrays that these need, and takes
+//!   changed rows over (`patch.rs`). The run can go back at any step.
 //! - [`memory_of`] counts the memory of such a run, by a device that only counts.
 //!
 //! # Sums
@@ -55,12 +55,19 @@
 //! | `joints.h`: `exp_down`, `softening` | `cohesive/curve.rs` | `laws.rs` |
 //! | `joints.h`: laws and memories | `cohesive/law.rs`, `cohesive/memory.rs` | `laws.rs` |
 //! | `joints.h`: `unit_axes`, `pull_joint` | `simplex/triangle.rs`, `simplex/tetrahedron.rs`, `joints/batch.rs` | `steps.rs` |
+//! | `contact.h`: `gap`, `parted`, `apart` | `simplex.rs` | `contact.rs` |
+//! | `contact.h`: potentials of triangles | `simplex/triangle/potential.rs` | `contact.rs` |
+//! | `contact.h`: potentials and distance of tetrahedra | `simplex/tetrahedron/potential.rs`, `part.rs`, `distance.rs` | `contact.rs` |
+//! | `contact.h`: `interactions`, `energy_of` | `simplex/interactions.rs` | `contact.rs` |
+//! | `contact.h`: `grip_one`, `axes_around` | `contacts/elements/grips.rs`, `simplex/tetrahedron/plane.rs` | `contact.rs` |
+//! | `contact.h`: `press_couple`, `gather_couples` | `contacts/chunk.rs`, `contacts/couples.rs` | `steps.rs` |
 //! | `step.h`: `add_parts`, `sums.h`: `part_of` | `sum.rs` | `steps.rs` |
 //!
 //! The cube root in Rust is that of `libm`, which rounds it correctly. The kernels have one of their own that
 //! does, too: by Newton's method, and then by whole numbers.
 
 mod array;
+mod contacts;
 #[cfg(feature = "cuda")]
 mod cuda;
 mod device;
@@ -79,6 +86,7 @@ mod sorted;
 mod tally;
 mod watch;
 
+pub use contacts::{contact_numbers, press_cases};
 #[cfg(feature = "cuda")]
 pub use cuda::{
     Cuda, CudaMemory, DeviceInfo, compile, compile_to_ship, devices, has_shipped_kernels, opened,

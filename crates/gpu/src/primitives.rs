@@ -1,11 +1,14 @@
 //! Sums and sorts on a device.
 
 use bytemuck::{Pod, bytes_of, cast_slice};
+use fdem_simulation::{DeviceSum, SUM_PARTS};
 
 use crate::array::Array;
 use crate::device::Device;
 use crate::error::GpuError;
-use crate::kernels::{Address, DIGIT_BITS, Kernel, SCANNED, SORTED, ScanArguments, SortArguments, THREADS};
+use crate::kernels::{
+    Address, DIGIT_BITS, ExactSumArguments, Kernel, SCANNED, SORTED, ScanArguments, SortArguments, THREADS,
+};
 
 /// Starts a kernel with one thread for each of `count` numbers.
 pub(crate) fn launch(
@@ -29,6 +32,34 @@ pub(crate) fn launch_blocks(
     }
     // Structures of arguments have addresses, so they consist of whole words.
     device.launch(kernel, blocks as u32, cast_slice(bytes_of(arguments)))
+}
+
+/// Blocks that add up a row of numbers exactly.
+pub(crate) fn pieces(count: usize) -> usize {
+    count.div_ceil(THREADS).clamp(1, 256)
+}
+
+/// Adds up rows of numbers exactly, and writes the parts of the sums of all [`pieces`] of each.
+pub(crate) fn add_up(
+    device: &impl Device,
+    parts: Address,
+    rows: usize,
+    [numbers, count]: [u64; 2],
+) -> Result<(), GpuError> {
+    let pieces = pieces(count as usize);
+    let arguments = ExactSumArguments { numbers, parts, count, pieces: pieces as u32, unused: 0 };
+    launch_blocks(device, Kernel::ExactSums, rows * pieces, &arguments)
+}
+
+/// The sums of rows whose pieces have these parts; successive rows belong to one sum.
+pub(crate) fn sums_of<const SUMS: usize>(parts: &[u64]) -> [DeviceSum; SUMS] {
+    let mut sums = [[0; SUM_PARTS]; SUMS];
+    for (sum, pieces) in sums.iter_mut().zip(parts.chunks(parts.len() / SUMS)) {
+        for piece in pieces.chunks(SUM_PARTS) {
+            sum.iter_mut().zip(piece).for_each(|(sum, part)| *sum += part.cast_signed());
+        }
+    }
+    sums
 }
 
 /// Blocks that add up this count of numbers.

@@ -5,30 +5,27 @@ use std::sync::Arc;
 
 use bytemuck::cast_slice;
 use fdem_simulation::{
-    Accelerator, DeviceSum, ElementValues, FromDevice, HeldNode, JointColumns, JointMemories, JointPatch,
-    NodeMotion, NodeSums, NotedState, Pulled, SUM_PARTS, SolidColumns, SolidPatch, SolidState,
+    Accelerator, CoupleColumns, CoupleStates, DeviceSum, ElementValues, FromDevice, HeldNode, JointColumns,
+    JointMemories, JointPatch, NodeMotion, NodeSums, NotedState, Press, PressSums, Pulled, SUM_PARTS,
+    SolidColumns, SolidPatch, SolidState,
 };
 
 use crate::array::Array;
+use crate::contacts::DeviceContacts;
 use crate::device::Device;
 use crate::error::GpuError;
 use crate::joints::DeviceJoints;
 use crate::kernels::{
-    CornerForceArguments, ExactSumArguments, GatheredArguments, Kernel, LargestArguments,
-    SolidElementArguments, SolidNodeArguments, THREADS,
+    CornerForceArguments, GatheredArguments, Kernel, LargestArguments, SolidElementArguments,
+    SolidNodeArguments, THREADS,
 };
 use crate::patch::{Columns, Rows, grow};
-use crate::primitives::{launch, launch_blocks};
+use crate::primitives::{add_up, launch, launch_blocks, pieces, sums_of};
 use crate::watch::DeviceWatch;
 
 /// Sums over the motion of all nodes, and largest numbers.
 const SUMS: usize = 7;
 const MOSTS: usize = 3;
-
-/// Blocks that add up a row of numbers.
-fn pieces(count: usize) -> usize {
-    count.div_ceil(THREADS).clamp(1, 256)
-}
 
 /// Bodies of a [`Simulation`](fdem_simulation::Simulation) on a device, for
 /// [`Simulation::put_on`](fdem_simulation::Simulation::put_on).
@@ -61,6 +58,7 @@ pub struct DeviceSolid<V: Device, const D: usize, const N: usize> {
     stresses: Array<V::Memory, f64>,
     energies: Array<V::Memory, f64>,
     joints: DeviceJoints<V::Memory, D>,
+    contacts: DeviceContacts<V::Memory, D>,
     ranges: Array<V::Memory, u32>,
     corners: Array<V::Memory, u32>,
     /// Corners on which forces are added, where those of each begin, and the forces.
@@ -123,6 +121,7 @@ impl<V: Device, const D: usize, const N: usize> DeviceSolid<V, D, N> {
             stresses: Array::new(),
             energies: Array::new(),
             joints: DeviceJoints::new(),
+            contacts: DeviceContacts::new(),
             ranges: Array::new(),
             corners: Array::new(),
             loaded: Array::new(),
@@ -167,35 +166,11 @@ impl<V: Device, const D: usize, const N: usize> DeviceSolid<V, D, N> {
         numbers: u64,
         count: usize,
     ) -> Result<[DeviceSum; SUMS], GpuError> {
-        self.add_up(ROWS, numbers, count)?;
+        add_up(&*self.device, self.report.address(&*self.device), ROWS, [numbers, count as u64])?;
         let mut parts = vec![0; SUM_PARTS * ROWS * pieces(count)];
         self.report.read(&*self.device, 0, &mut parts)?;
         Ok(sums_of(&parts))
     }
-
-    /// Adds up rows of numbers, and puts the parts of the sums into the report.
-    fn add_up(&self, rows: usize, numbers: u64, count: usize) -> Result<(), GpuError> {
-        let pieces = pieces(count);
-        let arguments = ExactSumArguments {
-            numbers,
-            parts: self.report.address(&*self.device),
-            count: count as u64,
-            pieces: pieces as u32,
-            unused: 0,
-        };
-        launch_blocks(&*self.device, Kernel::ExactSums, rows * pieces, &arguments)
-    }
-}
-
-/// The sums of rows whose pieces have these parts.
-fn sums_of<const ROWS: usize>(parts: &[u64]) -> [DeviceSum; ROWS] {
-    let mut sums = [[0; SUM_PARTS]; ROWS];
-    for (sum, pieces) in sums.iter_mut().zip(parts.chunks(parts.len() / ROWS)) {
-        for piece in pieces.chunks(SUM_PARTS) {
-            sum.iter_mut().zip(piece).for_each(|(sum, part)| *sum += part.cast_signed());
-        }
-    }
-    sums
 }
 
 /// A node that is held, in the words of `HeldNode` in the kernels.
@@ -320,6 +295,21 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
         Ok(Pulled { work, left: self.joints.left(device)? })
     }
 
+    fn load_couples(&mut self, couples: &CoupleColumns, states: &CoupleStates<D>) -> FromDevice<()> {
+        Ok(self.contacts.load(&*self.device, couples, states)?)
+    }
+
+    fn read_couples(&self) -> FromDevice<CoupleStates<D>> {
+        Ok(self.contacts.read(&*self.device)?)
+    }
+
+    fn press(&mut self, press: &Press) -> FromDevice<PressSums> {
+        let device = &*self.device;
+        let nodes = [&self.positions, &self.velocities].map(|column| column.address(device));
+        let elements = [self.of_elements.address(device), self.forces.address(device)];
+        Ok(self.contacts.press(device, [nodes[0], nodes[1], elements[0], elements[1]], press)?)
+    }
+
     fn add_forces(&mut self, forces: &[(u32, [f64; D])]) -> FromDevice<()> {
         let device = &*self.device;
         let mut forces = forces.to_vec();
@@ -384,7 +374,7 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
             blocks: blocks as u32,
         };
         launch(device, Self::of(Kernel::SolidMove2, Kernel::SolidMove3), self.nodes, &arguments)?;
-        self.add_up(2 * SUMS, arguments.sums, blocks)?;
+        add_up(device, self.report.address(device), 2 * SUMS, [arguments.sums, blocks as u64])?;
         let parts = SUM_PARTS * 2 * SUMS * pieces(blocks);
         let largest = LargestArguments {
             numbers: arguments.mosts,

@@ -14,8 +14,8 @@ use fdem_gpu::kernels::Kernel;
 use fdem_gpu::{Device, DeviceSolid, GpuError, Host, HostBuild};
 use fdem_scenes::random::Random;
 use fdem_simulation::{
-    Accelerator, Boundary, Element, FractureOptions, Insertion, Load, Material, MaterialLaw, Mesh, Model,
-    ModelError, Schedule, Simulation, State, Strength, Target, TimeOptions,
+    Accelerator, Boundary, Element, FractureOptions, InitialOverlap, Insertion, Load, Material, MaterialLaw,
+    Mesh, Model, ModelError, Schedule, Simulation, State, Strength, Target, TimeOptions,
 };
 use serde::Serialize;
 
@@ -390,21 +390,107 @@ fn quiet_steps_copy_no_columns() {
     assert_eq!(run.counts().broken, 0);
 }
 
-/// Two bodies that meet: their contacts are computed by the host.
-#[test]
-fn bodies_that_meet_have_the_state_of_the_processor() {
-    let mut model = model::<2, 3>(0.1, [0.0; 2]);
+/// A body and one above it that falls on it and slides along it.
+fn meeting<const D: usize, const N: usize>(cells: usize) -> Model<D, N> {
+    let mut model = model_of::<D, N>(cells, 0.1, [0.0; D]);
     let first = model.mesh.nodes.len() as u32;
     let (nodes, elements) = (model.mesh.nodes.clone(), model.mesh.elements.clone());
-    model.mesh.nodes.extend(nodes.iter().map(|[x, y]| [x + 0.1, y + 1.005]));
+    let along = |of: usize, value: f64, rest: f64| -> [f64; D] {
+        std::array::from_fn(|axis| if axis == of { value } else { rest })
+    };
+    let (by, velocity) = (along(D - 1, 1.005, 0.1), along(D - 1, -8.0, 2.0));
+    let moved = nodes.iter().map(|node| std::array::from_fn(|axis| node[axis] + by[axis]));
+    model.mesh.nodes.extend(moved);
     model.mesh.elements.extend(elements.iter().map(|element| element.map(|node| node + first)));
     model.mesh.bodies.extend(vec![1; elements.len()]);
     model.mesh.materials.extend_from_within(..);
-    model.velocities.extend(vec![[0.0, -8.0]; nodes.len()]);
+    model.velocities.extend(vec![velocity; nodes.len()]);
+    model.contact.damping = 0.2;
+    model
+}
+
+/// Bodies that meet and part again, with friction and damping, and bodies that overlap at the beginning.
+fn contacts_are_those_of_the_processor<const D: usize, const N: usize>(cells: usize, steps: u64)
+where
+    [[f64; D]; N]: Element<D, N>,
+    State<D, N>: Serialize,
+{
+    let model = meeting::<D, N>(cells);
     let mut expected = Simulation::new(model.clone(), 1).unwrap();
-    expected.advance(60).unwrap();
+    expected.advance(steps).unwrap();
     assert!(expected.counts().contacts > 10, "{:?}", expected.counts());
-    same(&model, 60, 1e-3);
+    let energies = expected.energies();
+    assert!(energies.contact > 0.0 && energies.friction > 0.0, "{energies:?}");
+    same(&model, steps, 1e-3);
+    for overlap in [InitialOverlap::Ignore, InitialOverlap::Relax] {
+        let mut model = model.clone();
+        model.contact.initial_overlap = overlap;
+        let upper = model.mesh.nodes.len() / 2..;
+        model.mesh.nodes[upper].iter_mut().for_each(|node| node[D - 1] -= 0.01);
+        same(&model, steps / 2, 1e-4);
+    }
+}
+
+#[test]
+fn triangles_that_meet_have_the_state_of_the_processor() {
+    contacts_are_those_of_the_processor::<2, 3>(20, 60);
+}
+
+#[test]
+fn tetrahedra_that_meet_have_the_state_of_the_processor() {
+    contacts_are_those_of_the_processor::<3, 4>(4, 40);
+}
+
+/// Runs whose bodies touch go to a device and back, and to another one.
+fn contacts_go_to_a_device_and_back<const D: usize, const N: usize>(mut model: Model<D, N>, steps: u64)
+where
+    [[f64; D]; N]: Element<D, N>,
+    State<D, N>: Serialize,
+{
+    model.contact.initial_overlap = InitialOverlap::Ignore;
+    let mut expected = Simulation::new(model.clone(), 1).unwrap();
+    let mut run = Simulation::new(model, 1).unwrap();
+    let mut contacts = 0;
+    let places: [&dyn Fn(&mut Simulation<D, N>); 5] = [
+        &|run| put_on(run, HostBuild::Ascending).unwrap(),
+        &Simulation::take_back,
+        &|run| put_on(run, HostBuild::Descending).unwrap(),
+        &|_| {},
+        &|run| put_on(run, HostBuild::Ascending).unwrap(),
+    ];
+    for place in places {
+        place(&mut run);
+        run.advance(steps).unwrap();
+        expected.advance(steps).unwrap();
+        assert!(bytes(&run) == bytes(&expected), "after {} steps", run.steps());
+        contacts += u32::from(expected.counts().contacts > 5);
+    }
+    assert!(contacts > 2, "{contacts}");
+}
+
+#[test]
+fn runs_go_to_a_device_and_back_while_bodies_touch() {
+    contacts_go_to_a_device_and_back(meeting::<2, 3>(12), 20);
+    contacts_go_to_a_device_and_back(meeting::<3, 4>(3), 10);
+    contacts_go_to_a_device_and_back(joined::<2, 3>(15.0, 300.0), 40);
+    contacts_go_to_a_device_and_back(joined::<3, 4>(15.0, 300.0), 25);
+}
+
+/// Steps in which bodies touch copy sums, and no columns, but for the nodes where couples are searched.
+#[test]
+fn steps_in_contact_copy_no_columns() {
+    let device = Arc::new(Counted(Host(HostBuild::Ascending), AtomicUsize::new(0)));
+    let mut run = Simulation::new(meeting::<2, 3>(20), 1).unwrap();
+    run.put_on(Box::new(DeviceSolid::new(Arc::clone(&device)))).unwrap();
+    run.advance(40).unwrap();
+    let (before, detections) = (device.1.load(Ordering::Relaxed), run.counts().detections);
+    run.advance(60).unwrap();
+    let copied = device.1.load(Ordering::Relaxed) - before;
+    let searched = run.counts().detections - detections;
+    // The sums of a step have 15 kB, nodes and couples of a search 80 kB, all columns 250 kB: for the energies
+    // of the last step, and once it is done.
+    assert!(copied < 60 * 60_000, "{copied} bytes, {searched} detections");
+    assert!(run.counts().contacts > 10, "{:?}", run.counts());
 }
 
 /// An element that turns inside out, and a node that is too fast, stop a run as on the processor.
@@ -447,6 +533,8 @@ fn runs_on_a_card_have_the_states_of_the_processor() {
         compare(&card, model::<3, 4>(0.0, [0.0, 0.0, -9.81]));
         compare(&card, loaded::<2, 3>(0.1, false));
         compare(&card, loaded::<3, 4>(0.1, true));
+        compare(&card, meeting::<2, 3>(20));
+        compare(&card, meeting::<3, 4>(4));
         compare(&card, joined::<2, 3>(15.0, 300.0));
         compare(&card, joined::<3, 4>(1.0, 3000.0));
     }

@@ -4,25 +4,23 @@
 //! [`Simulation::put_on`](crate::Simulation::put_on) hands a run over. All columns are plain lists in the
 //! order of the numbers of nodes, elements and joints.
 
+mod couples;
+mod device_sum;
+
 use std::error::Error;
 use std::fmt;
 
+pub use crate::accelerator::couples::{CoupleColumns, CoupleStates, FlatContact, FlatGrip, Press, PressSums};
+pub use crate::accelerator::device_sum::{DeviceSum, SUM_PARTS};
+
 /// A result of a device, or the reason why it has failed. After a failure a run cannot continue.
 pub type FromDevice<T> = Result<T, Box<dyn Error + Send + Sync>>;
-
-/// The number of parts of a [`DeviceSum`].
-pub const SUM_PARTS: usize = crate::sum::LIMBS + 1;
 
 /// A number that stands for none, in lists of numbers of nodes, elements, corners and boundaries.
 pub const NO_NUMBER: u32 = u32::MAX;
 
 /// A number in place of [`SolidColumns::places`] of a node that the host moves: one of a rigid body.
 pub const BY_HOST: u32 = u32::MAX - 1;
-
-/// The exact sum of some finite numbers. Part `k` counts 2^(32 k - 1074), the last one numbers that are
-/// infinite or none. A number adds less than 2^32 to each of three parts, with its sign; sums are added part
-/// by part, in any order. At most 2^30 numbers.
-pub type DeviceSum = [i64; SUM_PARTS];
 
 /// Nodes and elements, as far as phases do not change them. Elements have N corners in D dimensions.
 #[derive(Clone, Debug)]
@@ -366,6 +364,24 @@ pub trait Accelerator<const D: usize, const N: usize>: fmt::Debug + Send {
     /// # Errors
     /// The device fails.
     fn pull(&mut self, step: f64, grains: [f64; 2]) -> FromDevice<Pulled>;
+
+    /// Takes over couples of elements in place of all before, and their present state.
+    ///
+    /// # Errors
+    /// The device has too little memory, or fails.
+    fn load_couples(&mut self, couples: &CoupleColumns, states: &CoupleStates<D>) -> FromDevice<()>;
+
+    /// The present state of the couples.
+    ///
+    /// # Errors
+    /// The device fails.
+    fn read_couples(&self) -> FromDevice<CoupleStates<D>>;
+
+    /// Computes the forces of all couples, and adds them to those on corners in the order of the couples.
+    ///
+    /// # Errors
+    /// The device fails.
+    fn press(&mut self, press: &Press) -> FromDevice<PressSums>;
 
     /// Adds forces, N, to those on corners, in this order.
     ///

@@ -8,6 +8,7 @@
 mod chunk;
 mod couples;
 mod elements;
+mod flat;
 mod law;
 mod pair;
 mod places;
@@ -15,6 +16,7 @@ mod saved;
 mod surface;
 
 pub(crate) use crate::contacts::couples::Touching;
+pub use crate::contacts::elements::single::{ContactCase, press_tetrahedra, press_triangles};
 pub(crate) use crate::contacts::law::{penalty_and_friction, stiffness};
 pub(crate) use crate::contacts::saved::SavedContacts;
 pub(crate) use crate::contacts::surface::Surface;

@@ -87,7 +87,7 @@
 //! | the time step of a simulation | `src/simulation.rs`; insertion and splitting: `src/simulation/breaking.rs`; the beginning of a run: `src/simulation/run.rs` |
 //! | a law of the material: stress, energy, memory | a file beside `src/laws/neo_hookean.rs`, and the list of all laws: `src/laws.rs`; the interface for elements: `src/laws/element_law.rs` |
 //! | the forces of elements, and their batches | `src/solid.rs`, `src/solid/batch.rs`, `src/solid/by_law.rs` |
-//! | where the phases of a step are computed | `src/machine.rs`, `src/machine/list.rs` and a file for each machine in `src/machine`; devices: `src/accelerator.rs`, `flat.rs` in `src/solid` and `src/joints`, `src/simulation/placed.rs` |
+//! | where the phases of a step are computed | `src/machine.rs`, `src/machine/list.rs` and a file for each machine in `src/machine`; devices: `src/accelerator.rs`, `flat.rs` in `src/solid`, `src/joints` and `src/contacts`, `src/simulation/placed.rs` |
 //! | columns of nodes and elements | `src/solid.rs`, `src/solid/columns.rs` |
 //! | softening and breaking of a joint | `src/cohesive/law.rs`, `memory.rs` and `curve.rs` beside it; of many joints: `src/joints/batch.rs`, `src/joints/pass.rs`; insertion: `src/joints/insertion.rs`, `demand.rs`, `uses.rs`, `fan.rs`, `cut.rs` and `plane.rs` beside it |
 //! | a set of joints with its own law | `src/joint_sets.rs`, `src/joints/start.rs` |
@@ -209,12 +209,15 @@ mod ranks;
 mod error;
 
 pub use accelerator::{
-    Accelerator, BY_HOST, DeviceSum, Drive, ElementValues, EndMemory, FlatLaw, FromDevice, HeldNode,
-    HoldKind, JointColumns, JointKind, JointMemories, JointPatch, NO_NUMBER, NodeMotion, NodeSums,
-    NotedState, Pulled, SUM_PARTS, SolidColumns, SolidPatch, SolidState,
+    Accelerator, BY_HOST, CoupleColumns, CoupleStates, DeviceSum, Drive, ElementValues, EndMemory, FlatContact,
+    FlatGrip, FlatLaw, FromDevice, HeldNode, HoldKind, JointColumns, JointKind, JointMemories, JointPatch,
+    NO_NUMBER, NodeMotion, NodeSums, NotedState, Press, PressSums, Pulled, SUM_PARTS, SolidColumns, SolidPatch,
+    SolidState,
 };
 pub use actions::cavity::CavityState;
 pub use actions::seams::InitialContacts;
+#[doc(hidden)]
+pub use contacts::{ContactCase, press_tetrahedra, press_triangles};
 pub use critical::{Cause, CriticalStep};
 pub use energy::{Energies, Term, TermKind};
 pub use error::{ModelError, Stop};

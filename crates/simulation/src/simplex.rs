@@ -273,7 +273,8 @@ fn all_points<const D: usize>(weight: &Lanes, moment: &[Lanes; D], any: &[Lanes;
 }
 
 /// A lower bound of the distance of two elements, m: the gap of their boxes, or the distance by which a facet
-/// parts them. Negative if none does; then they overlap, or an edge of each is nearest to the other.
+/// parts them. Negative if none does; then they overlap, or an edge of each is nearest to the other. Twin:
+/// `crates/gpu/kernels/contact.h`.
 #[inline(always)]
 pub(crate) fn apart<const D: usize, const N: usize>(a: &[Point<D>; N], b: &[Point<D>; N]) -> f64
 where

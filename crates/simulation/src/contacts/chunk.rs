@@ -1,7 +1,8 @@
 //! Forces of a chunk of couples.
 //!
 //! Couples that did not touch and that nothing parts now get a place among the histories; then the forces of
-//! all couples with a place are computed, a group of batches at a time.
+//! all couples with a place are computed, a group of batches at a time. Twin: `press_couple` in
+//! `crates/gpu/kernels/contact.h`.
 
 use std::ops::Range;
 

@@ -204,6 +204,27 @@ impl<const D: usize, P: Pair> Couples<D, P> {
         Ok(())
     }
 
+    /// All couples, ascending.
+    pub(super) fn all(&self) -> &[CoupleOf<P>] {
+        &self.all
+    }
+
+    /// Upper bound of the distance that points of bodies have travelled in all steps so far, m.
+    pub(super) fn travel(&self) -> f64 {
+        self.travel
+    }
+
+    /// Changes all couples by their places. `histories`: those of the couples that touch then, in their
+    /// order.
+    pub(super) fn change(
+        &mut self,
+        mut change: impl FnMut(usize, &mut CoupleOf<P>),
+        histories: impl IntoIterator<Item = HistoryOf<P>>,
+    ) {
+        self.all.iter_mut().enumerate().for_each(|(place, couple)| change(place, couple));
+        self.group_histories(histories);
+    }
+
     /// The couples that touch, with their histories.
     pub(crate) fn touching(&self) -> impl Iterator<Item = ([u32; 2], HistoryOf<P>)> {
         let chunks = self.all.chunks(CHUNK).zip(&self.histories);

@@ -5,15 +5,17 @@
 
 pub(super) mod grips;
 mod relation;
+pub(super) mod single;
 
 use std::ops::Range;
 
 use fdem_contact::prefetch;
 
+use crate::accelerator::FlatContact;
 use crate::bodies::Bodies;
 use crate::contacts::elements::grips::{ContactInputs, Grip, Grips, grip_of};
 use crate::contacts::elements::relation::{couple, distance};
-use crate::contacts::law::ContactLaws;
+use crate::contacts::law::{ContactLaw, ContactLaws};
 use crate::contacts::pair::{AHEAD, BatchWorks, Couple, Overlap, Pair, PairPass};
 use crate::contacts::places::Histories;
 use crate::contacts::surface::Surface;
@@ -103,10 +105,7 @@ where
 
     #[inline]
     fn acts(&self, couple: &mut Couple<u32>) -> bool {
-        // A detached joint did not press its elements apart: their present overlap must not count
-        // immediately.
-        let joint = self.joints.all.get(couple.between as usize);
-        if joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; D]) {
+        if self.credits(couple) {
             couple.initial_overlap = couple.initial_overlap.max(Overlap::Credited);
         }
         self.weight(couple)[0] > 0.0
@@ -260,6 +259,37 @@ where
             for node in self.solid.nodes_of(*next) {
                 self.solid.prefetch_node(node as usize);
             }
+        }
+    }
+
+    /// Whether forces of a couple begin at zero with its present overlap: a detached joint did not press its
+    /// elements apart.
+    #[inline]
+    pub(super) fn credits(&self, couple: &Couple<u32>) -> bool {
+        let joint = self.joints.all.get(couple.between as usize);
+        joint.is_some_and(|joint| joint.fading > 0.0 && joint.detached != [false; D])
+    }
+
+    /// Whether two elements that do not touch may begin to.
+    pub(super) fn begins(&self, elements: [u32; 2]) -> bool {
+        self.may_begin(elements)
+    }
+
+    /// The law of a couple as a plain record.
+    pub(super) fn flat_law(&self, couple: &Couple<u32>) -> FlatContact {
+        let pair = couple.parts.map(|element| self.solid.properties(element));
+        let number = self.laws.number(couple.parts, pair.map(|part| part.material));
+        let ContactLaw { penalty, friction, tangential, damping } = self.laws.all[number];
+        let [weight, fading] = self.weight(couple);
+        FlatContact {
+            penalty,
+            friction,
+            tangential,
+            damping,
+            masses: pair.map(|part| part.mass),
+            length: smaller(pair[0].length, pair[1].length),
+            weight,
+            fading,
         }
     }
 

@@ -52,6 +52,14 @@ pub(crate) enum Overlap {
     Relaxing,
 }
 
+impl Overlap {
+    /// The way with this number.
+    pub(super) fn of_number(number: u8) -> Self {
+        let ways = [Self::Counts, Self::Credited, Self::Ignored, Self::Relaxing];
+        ways.into_iter().find(|way| *way as u8 == number).unwrap_or_default()
+    }
+}
+
 /// Two parts that may touch. Of parts of one kind, the one with the lower number is the first.
 #[derive(Clone, Debug)]
 pub(crate) struct Couple<B> {

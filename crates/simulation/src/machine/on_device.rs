@@ -1,14 +1,16 @@
 //! A device with a memory of its own as a machine: see `accelerator.rs`.
 //!
-//! The device has nodes, elements and joints. It computes their phases. The host computes all others on its
-//! columns: it copies them when a phase or anything else asks for them, and the device takes changed ones
-//! over before its next phase. Phases that have nothing to do ask for none.
+//! The device has nodes, elements, joints, and couples of elements while any of these is near. It computes
+//! their phases. The host computes all others on its columns: it copies them when a phase or anything else
+//! asks for them, and the device takes changed ones over before its next phase. Phases that have nothing to
+//! do ask for none. The search of couples gets the nodes and the couples (`on_device/contacts.rs`).
 //!
 //! Joints that change their kind, the check of facets, insertion and splitting concern few nodes, elements
 //! and joints. The host reads the values of these only, computes, and sends the changes
 //! (`on_device/parts.rs`). The device finds the elements whose facets may fail. Where many facets fail in a
 //! step, all is copied. The host moves rigid bodies, and sends their nodes (`on_device/rigid.rs`).
 
+mod contacts;
 mod parts;
 mod rigid;
 
@@ -59,6 +61,8 @@ pub(crate) struct OnDevice<const D: usize, const N: usize> {
     /// The same ones, while they are not.
     stale: Mutex<Option<Columns<D, N>>>,
     changed: Changed,
+    /// Whether the couples of the host are up to date, and those of the device are not.
+    couples_changed: bool,
     /// The motions that boundaries prescribe, by their numbers.
     holds: Vec<HeldNode<D>>,
     /// The nodes of these motions, ascending, each with the number of its motion.
@@ -97,6 +101,7 @@ where
             host: OnceLock::from(columns),
             stale: Mutex::default(),
             changed: Changed::ALL,
+            couples_changed: true,
             holds,
             held: Vec::new(),
             loaded: Vec::new(),
@@ -187,6 +192,8 @@ where
         self.columns();
         self.changed.solid |= changed.solid;
         self.changed.all |= changed.all;
+        // Joints carry a part of the forces between their elements.
+        self.couples_changed |= changed.all;
         self.host.get_mut().expect("they are up to date")
     }
 }
@@ -225,21 +232,11 @@ where
         if let Some(stop) = self.failure() {
             return Err(stop);
         }
-        if !self.known().contacts.is_detection_due() {
-            return Ok(());
-        }
-        let team = self.team.clone();
-        let Columns { solid, joints, contacts } = self.on_host(Changed::NOTHING);
-        contacts.detect(solid, joints, topology, &team)
+        self.search(topology)
     }
 
     fn touch(&mut self, topology: &Topology<D, N>, step: f64, energies: bool) -> Touching {
-        if !self.known().contacts.any_near() {
-            return Touching { energy: energies.then(Sum::default), ..Touching::default() };
-        }
-        let team = self.team.clone();
-        let Columns { solid, joints, contacts } = self.on_host(Changed::SOLID);
-        contacts.press(solid, joints, topology, step, energies, &team)
+        self.press(topology, step, energies)
     }
 
     fn add_forces(&mut self, forces: &[(u32, Point<D>)]) {
@@ -374,10 +371,14 @@ where
             let stale = self.stale.lock().unwrap_or_else(PoisonError::into_inner).take();
             let mut columns = stale.expect("the columns are in one of the two places");
             let device = self.device.lock().unwrap_or_else(PoisonError::into_inner);
-            match device.read() {
-                Ok((solid, joints)) => {
+            let couples = if self.couples_changed { Ok(None) } else { device.read_couples().map(Some) };
+            match device.read().and_then(|read| Ok((read, couples?))) {
+                Ok(((solid, joints), couples)) => {
                     columns.solid.take_flat(solid);
                     columns.joints.take_flat(joints);
+                    if let Some(couples) = couples {
+                        columns.contacts.take_flat(&couples);
+                    }
                 }
                 Err(error) => self.fail(&error.to_string()),
             }

@@ -7,7 +7,8 @@
 //! known, and the mean of the two energies is taken. Its gradient is continuous, so the error of the mean
 //! goes with the square of that way. A field that is not singular would not vanish on the boundary. Where
 //! facets of both elements lie in one plane, as at the sides of blocks that stand on each other, rounding
-//! would then decide whether this plane counts once, twice or not at all.
+//! would then decide whether this plane counts once, twice or not at all. Twin:
+//! `crates/gpu/kernels/contact.h`.
 
 use crate::lanes::{Available, LANES, Lanes, rows, set_rows};
 use crate::simplex::{Interactions, Shapes, Simplex};

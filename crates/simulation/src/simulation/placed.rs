@@ -10,10 +10,11 @@ impl<const D: usize, const N: usize> Simulation<D, N>
 where
     [[f64; D]; N]: Machines<D, N>,
 {
-    /// Puts the run on a device, which computes the elements, the joints, the supports and the motion of the
-    /// nodes from the next step on; the processor computes all else. Results are the same to the last bit. A
-    /// step copies all columns where couples of elements are near each other, or more than 1 % of the facets
-    /// fail. Where fewer fail, or joints begin to soften or break, it copies the values around these.
+    /// Puts the run on a device, which computes the elements, joints, contacts, supports and the motion of
+    /// the nodes from the next step on; the processor computes all else. Results are the same to the last
+    /// bit. A step copies all nodes where couples of elements are searched, and all columns where more than
+    /// 1 % of the facets fail. Where fewer fail, or joints begin to soften or break, it copies the values
+    /// around these.
     ///
     /// # Errors
     /// [`ModelError::OnDevice`] if the device has too little memory or fails, and for runs that no device

@@ -22,14 +22,14 @@ pub(crate) struct Grip<const D: usize, const N: usize> {
     /// Friction on the first element, N.
     pub(super) friction: Point<D>,
     /// Damping on the first element, N.
-    damping: Point<D>,
+    pub(super) damping: Point<D>,
     /// Barycentric coordinates, in both elements, of the point where the force acted, without the first,
     /// which is 1 less the others.
-    shares: [[f64; D]; 2],
+    pub(super) shares: [[f64; D]; 2],
     /// Initial potential energy, J, which is not counted: see [`count_from`].
-    credited_energy: f64,
+    pub(super) credited_energy: f64,
     /// How: the number of an [`Overlap`].
-    way: u8,
+    pub(super) way: u8,
     /// Force on the first element, N, for results.
     pub(crate) push: Point<D>,
 }
@@ -235,7 +235,8 @@ compiled_for_vectors!(pub(super) fn grip_of = grip_all<const D: usize, const N: 
     works: &mut BatchWorks
 ) where [[f64; D]; N]: Simplex<D, N>);
 
-/// Computes friction and damping of one couple of a batch.
+/// Computes friction and damping of one couple of a batch. Twin: `grip_one` in
+/// `crates/gpu/kernels/contact.h`.
 #[inline(always)]
 #[allow(
     clippy::needless_bitwise_bool,

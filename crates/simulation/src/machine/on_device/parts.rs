@@ -77,6 +77,9 @@ where
         let [nodes, elements] = self.known().joints.beside(&joints);
         let wanted = Wanted { nodes, elements, joints };
         self.refresh(&wanted)?;
+        // Joints carry a part of the forces between their elements.
+        self.refresh_couples();
+        self.couples_changed = true;
         let Columns { solid, joints, .. } = self.known();
         let pulling = joints.pull_some(&wanted.joints, solid, step, time);
         let patch = joints.patch(wanted.joints, Vec::new(), solid.thickness);
@@ -92,6 +95,7 @@ where
         loaded: Vec<u32>,
     ) -> Option<Vec<u32>> {
         let (team, mut lists) = (self.team.clone(), std::mem::take(&mut self.lists));
+        self.refresh_couples();
         let mut pressed = self.known().contacts.touching(&team);
         pressed.extend(loaded);
         let awake = self.call(|device| device.awake())?;

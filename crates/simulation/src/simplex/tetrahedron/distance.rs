@@ -1,4 +1,4 @@
-//! The distance of two tetrahedra that do not overlap.
+//! The distance of two tetrahedra that do not overlap. Twin: `crates/gpu/kernels/contact.h`.
 
 use crate::simplex::Tetrahedron;
 use crate::simplex::tetrahedron::numbering::{EDGES, FACES};

@@ -5,7 +5,7 @@
 //! same point. A line takes away one run of corners, around the polygon. It ends where the outline leaves the
 //! kept side and begins again where it enters it: these two points are found by comparing each corner with
 //! the next. In the list that is left, which has one corner more, the first of the run becomes the point
-//! where the outline leaves, all others the point where it enters.
+//! where the outline leaves, all others the point where it enters. Twin: `crates/gpu/kernels/contact.h`.
 
 use crate::lanes::{Available, LANES, Lanes, Rows, compiled_for_vectors, either, larger, row, set_row};
 use crate::vector::cross;

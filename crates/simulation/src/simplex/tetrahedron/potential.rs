@@ -23,6 +23,7 @@
 //!
 //! Couples are computed in batches. Pieces of faces differ in the necessary cuts, so each piece is a separate
 //! task, and tasks with the same number of cuts are computed side by side: see `part.rs` and `lanes.rs`.
+//! Twin: `crates/gpu/kernels/contact.h`.
 
 #![allow(
     clippy::needless_bitwise_bool,

@@ -18,7 +18,8 @@
 //! B, and its flux out of the edges of A is the integral, less a third of the area of B if c is in A. Without
 //! cancellation, `h = −φ² (3 − 2 φ)/(6 w²)` there. Near c the flux is nearly 0/0: see `interactions.rs`.
 //!
-//! Couples are computed in batches, without a branch that depends on one of them: see `lanes.rs`.
+//! Couples are computed in batches, without a branch that depends on one of them: see `lanes.rs`. Twin:
+//! `crates/gpu/kernels/contact.h`.
 
 #![allow(
     clippy::needless_bitwise_bool,
