@@ -209,10 +209,10 @@ mod ranks;
 mod error;
 
 pub use accelerator::{
-    Accelerator, BY_HOST, CoupleColumns, CoupleStates, DeviceSum, Drive, ElementValues, EndMemory, FlatContact,
-    FlatGrip, FlatLaw, FromDevice, HeldNode, HoldKind, JointColumns, JointKind, JointMemories, JointPatch,
-    NO_NUMBER, NodeMotion, NodeSums, NotedState, Press, PressSums, Pulled, SUM_PARTS, SolidColumns, SolidPatch,
-    SolidState,
+    Accelerator, BY_HOST, CoupleColumns, CoupleStates, DeviceSum, Drive, ElementValues, EndMemory,
+    FlatContact, FlatGrip, FlatLaw, FromDevice, HeldNode, HoldKind, JointColumns, JointKind, JointMemories,
+    JointPatch, NO_NUMBER, NodeMotion, NodeSums, NotedState, Press, PressSums, Pulled, SUM_PARTS,
+    SolidColumns, SolidPatch, SolidState,
 };
 pub use actions::cavity::CavityState;
 pub use actions::seams::InitialContacts;
