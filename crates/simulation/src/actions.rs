@@ -11,6 +11,7 @@ pub(crate) mod fluid;
 pub(crate) mod gravity;
 pub(crate) mod ground;
 pub(crate) mod loads;
+pub(crate) mod pores;
 pub(crate) mod prescribed;
 pub(crate) mod program;
 pub(crate) mod seams;
@@ -24,6 +25,7 @@ use crate::actions::fluid::FluidAction;
 use crate::actions::gravity::Gravity;
 use crate::actions::ground::Ground;
 use crate::actions::loads::Loads;
+use crate::actions::pores::PoreAction;
 use crate::actions::prescribed::Prescribed;
 use crate::actions::program::Program;
 use crate::actions::seams::Seams;
@@ -55,6 +57,7 @@ pub(crate) struct Actions<const D: usize = 2, const N: usize = 3> {
     pub(crate) program: Program<D>,
     pub(crate) cavities: Cavities<D>,
     pub(crate) fluid: FluidAction<D>,
+    pub(crate) pores: PoreAction<D, N>,
     gravity: Gravity,
     pub(crate) spheres: SphereAction<D>,
     /// Forces of this step whose work is external work.
@@ -98,6 +101,7 @@ where
             program: Program::default(),
             cavities,
             fluid: FluidAction::default(),
+            pores: PoreAction::default(),
             gravity: Gravity,
             spheres: SphereAction::default(),
             applied: Vec::new(),
@@ -106,16 +110,16 @@ where
     }
 
     /// All kinds of actions, in the order in which their forces are added.
-    fn all(&self) -> [&dyn Action<D, N>; 8] {
-        let Self { seams, loads, ground, program, cavities, gravity, spheres, fluid, .. } = self;
-        [seams, loads, ground, program, cavities, gravity, spheres, fluid]
+    fn all(&self) -> [&dyn Action<D, N>; 9] {
+        let Self { seams, loads, ground, program, cavities, gravity, spheres, fluid, pores, .. } = self;
+        [seams, loads, ground, program, cavities, gravity, spheres, fluid, pores]
     }
 
     /// The same list.
-    fn all_mut(&mut self) -> ([&mut dyn Action<D, N>; 8], &mut Vec<Applied<D>>, &[Schedule]) {
-        let Self { seams, loads, ground, program, cavities, gravity, spheres, fluid, .. } = self;
-        let all: [&mut dyn Action<D, N>; 8] =
-            [seams, loads, ground, program, cavities, gravity, spheres, fluid];
+    fn all_mut(&mut self) -> ([&mut dyn Action<D, N>; 9], &mut Vec<Applied<D>>, &[Schedule]) {
+        let Self { seams, loads, ground, program, cavities, gravity, spheres, fluid, pores, .. } = self;
+        let all: [&mut dyn Action<D, N>; 9] =
+            [seams, loads, ground, program, cavities, gravity, spheres, fluid, pores];
         (all, &mut self.applied, &self.schedules)
     }
 
@@ -135,6 +139,10 @@ where
         for action in all {
             action.act(&mut acting);
         }
+        // Cracks and pores exchange fluid.
+        let Self { pores, fluid, applied, schedules, .. } = self;
+        let mut acting = Acting { scene, peers, schedules, stop: &mut stop, applied, forces: &mut forces };
+        pores.act_beside(fluid, &mut acting);
         self.forces = forces;
         (&self.forces, stop)
     }

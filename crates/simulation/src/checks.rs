@@ -42,6 +42,7 @@ where
     until_overloaded(model)?;
     joint_sets(model)?;
     boundaries(model)?;
+    pores(model)?;
     schedule("gravity", &model.gravity_schedule)?;
     positive("the model", "thickness", model.thickness)?;
     for (what, values) in [("gravity", [model.gravity].as_slice()), ("initial velocity", &model.velocities)] {
@@ -105,6 +106,43 @@ where
         if value != model.gravity.get(axis).copied().unwrap_or(0.0) {
             return Err(out_of_range(place, "gravity", value, "that of the model"));
         }
+    }
+    Ok(())
+}
+
+/// Each material has pores or none, and the flow is in a solid whose volume is known.
+fn pores<const D: usize, const N: usize>(model: &Model<D, N>) -> Result<(), ModelError>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let Some(pores) = &model.pores else { return Ok(()) };
+    let (found, expected) = (pores.materials.len(), model.materials.len());
+    if found != expected {
+        return Err(ModelError::Length { what: "materials with pores or none", found, expected });
+    }
+    let (found, expected) = (pores.initial_pressures.len(), model.mesh.nodes.len());
+    if found != 0 && found != expected {
+        return Err(ModelError::Length { what: "initial pressures of pores", found, expected });
+    }
+    for (pores, material) in pores.materials.iter().zip(&model.materials) {
+        let place = format!("pores of material '{}'", material.name);
+        pores.as_ref().map_or(Ok(()), |pores| pores.check(&place).map_err(ModelError::Fluid))?;
+    }
+    if pores.steps == 0 {
+        return Err(out_of_range(
+            "pores",
+            "number of steps of the solid in one of the flow",
+            0.0,
+            "at least 1",
+        ));
+    }
+    if <[[f64; D]; N]>::is_plate(model.plane) {
+        return Err(ModelError::Pores("the change of volume is not known in plane stress: use plane strain"));
+    }
+    if model.fluid.as_ref().is_some_and(|fluid| fluid.leak_off != 0.0) {
+        return Err(ModelError::Pores(
+            "fluid in cracks flows into them: the leak-off by a coefficient must be zero",
+        ));
     }
     Ok(())
 }

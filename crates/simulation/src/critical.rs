@@ -10,7 +10,8 @@
 //! ```
 //! The sums are over the elements and *all* springs at the node: for every facet that is, or may become,
 //! free, the stiffer of its joint and its contact. Each node is as small as it can become, as if all facets
-//! around it that can separate had separated. `mass.rs` adds mass where the bound is too large.
+//! around it that can separate had separated. Elements whose pores are full count with the stiffness of the
+//! liquid, `α² M`, as long as none of it flows. `mass.rs` adds mass where the bound is too large.
 
 use std::collections::BTreeSet;
 
@@ -29,7 +30,7 @@ use crate::simplex::Simplex;
 use crate::solid::corners_of;
 use crate::topology::Facet;
 use crate::topology::{NONE, Topology};
-use crate::vector::{dot, unit};
+use crate::vector::{Point, dot, unit};
 
 /// The longest stable time step, and the part that sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -301,6 +302,7 @@ where
     let mass = material.density * shape.measure() * model.thickness / N as f64;
     let law = material.in_elements::<D, N>(model.plane);
     let bulk = law.highest_square(&shape, material.density) * mass;
+    let bulk = bulk + liquid_stiffness(model, &shape, number);
     let mass = model.mass_factor(element) * mass;
     let mut corners = [CornerStiffness { mass, bulk, ..CornerStiffness::default() }; N];
     for k in 0..N {
@@ -328,6 +330,28 @@ where
         }
     }
     corners
+}
+
+/// Stiffness of the liquid in the pores of an element while none of it flows, N/m: an upper bound of its
+/// share at each corner.
+///
+/// At constant contents the pressures of vertices store `Σ (Σ α V ε/N)²/(2 S)`, with the storage `S = Σ
+/// V/(N M)` of a vertex. By Cauchy's inequality that is at most `Σ α² M V ε²/2` over the elements, whatever
+/// vertices they share. In one element it has one mode, `V ε = Σ u·A/D` with the area vectors `A` opposite to
+/// the corners, and the stiffness `α² M Σ A²/(D² V)`.
+fn liquid_stiffness<const D: usize, const N: usize>(
+    model: &Model<D, N>,
+    shape: &[Point<D>; N],
+    material: u32,
+) -> f64
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    let Some(pores) = model.pores.as_ref().and_then(|pores| pores.material(material)) else { return 0.0 };
+    let area =
+        |k: usize| <[[f64; D]; N]>::facet_measure(&<[[f64; D]; N]>::FACETS[k].map(|corner| shape[corner]));
+    let squares: f64 = (0..N).map(|k| area(k) * area(k)).sum();
+    pores.undrained_modulus() * model.thickness * squares / ((D * D) as f64 * shape.measure())
 }
 
 /// Greatest stiffness of the joint on a facet in any direction, Pa/m.

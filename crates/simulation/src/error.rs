@@ -24,6 +24,8 @@ pub enum ModelError {
         /// The reason.
         FluidError,
     ),
+    /// Pores are where they cannot be: the reason.
+    Pores(&'static str),
     /// A list does not have an entry for each node or element.
     Length {
         /// The list.
@@ -178,6 +180,12 @@ pub enum ModelError {
     },
 }
 
+/// A number as text. No number has hundreds of digits.
+fn short(value: f64) -> String {
+    let is_long = value.is_normal() && !(1e-5..1e16).contains(&value.abs());
+    if is_long { format!("{value:e}") } else { value.to_string() }
+}
+
 impl fmt::Display for ModelError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -187,18 +195,14 @@ impl fmt::Display for ModelError {
                 out.write_str("spheres without bodies are not divided among ranks: run them on threads")
             }
             Self::Fluid(error) => write!(out, "fluid: {error}"),
+            Self::Pores(why) => write!(out, "pores: {why}"),
             Self::Length { what, found, expected } => write!(out, "{found} {what} for {expected}"),
             Self::UntilOverloaded { body, why } => {
                 write!(out, "body {body} cannot be rigid until it is overloaded: {why}")
             }
             Self::Missing { what, index, place } => write!(out, "{place}: there is no {what} {index}"),
             Self::OutOfRange { place, what, value, range } => {
-                // No number has hundreds of digits.
-                if value.is_normal() && !(1e-5..1e16).contains(&value.abs()) {
-                    write!(out, "{place}: {what} is {value:e}, it must be {range}")
-                } else {
-                    write!(out, "{place}: {what} is {value}, it must be {range}")
-                }
+                write!(out, "{place}: {what} is {}, it must be {range}", short(*value))
             }
             Self::Area { element, area } if !area.is_finite() => {
                 write!(

@@ -101,6 +101,7 @@
 //! | how a run continues with another model: excavation, stages | `src/simulation/changed.rs`, and a part of a model: `src/subset.rs` |
 //! | pressure in holes and cracks | `src/actions/cavity.rs` |
 //! | flow in cracks | `src/actions/fluid.rs`, its model: `src/model/fluid.rs`, the flow itself: the crate `fdem-fluid` |
+//! | liquid in the pores of elements | `src/actions/pores.rs`, its model: `src/model/pores.rs`, the flow itself: `PorousMatrix` of the crate `fdem-fluid` |
 //! | changes by the caller between steps | `src/simulation/program.rs`, `src/actions/program.rs` |
 //! | rigid bodies | `src/rigid.rs`, their nodes and supports: `src/rigid/nodes.rs`, their motion: `src/motion/rigid.rs` |
 //! | the longest stable time step | `src/critical.rs` |
@@ -232,8 +233,8 @@ pub use laws::{Bedding, MaterialLaw};
 pub use mass::MassScaling;
 pub use model::{
     Boundary, ContactOptions, CriticalOpening, FluidOptions, FluidSource, FractureOptions, InitialOverlap,
-    Insertion, Interface, JointSet, Load, LoadEffect, LoadSummary, Material, Model, Plane, STORED, Schedule,
-    Strength, Target, TimeOptions, UntilOverloaded, WetFrom,
+    Insertion, Interface, JointSet, Load, LoadEffect, LoadSummary, Material, Model, Plane, PoreOptions,
+    PoreSurface, STORED, Schedule, Strength, Target, TimeOptions, UntilOverloaded, WetFrom,
 };
 pub use probe::touching::TouchingSide;
 pub use probe::{MaterialPoint, Probe};

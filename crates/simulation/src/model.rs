@@ -3,6 +3,8 @@
 
 mod fluid;
 mod load;
+mod pores;
+mod target;
 
 use std::collections::BTreeSet;
 
@@ -14,6 +16,8 @@ use crate::laws::{AnyLaw, MaterialLaw};
 pub use crate::model::fluid::{FluidOptions, FluidSource, WetFrom};
 pub(crate) use crate::model::load::Stored;
 pub use crate::model::load::{Load, LoadEffect, LoadSummary, STORED};
+pub use crate::model::pores::{PoreOptions, PoreSurface};
+pub use crate::model::target::Target;
 pub use crate::moduli::Plane;
 use crate::simplex::Simplex;
 pub use crate::strength::Strength;
@@ -72,6 +76,8 @@ pub struct Model<const D: usize = 2, const N: usize = 3> {
     pub grains: Option<GrainModel>,
     /// Fluid in holes and cracks; `None` without.
     pub fluid: Option<FluidOptions<D>>,
+    /// Liquid in the pores of elements; `None` without.
+    pub pores: Option<PoreOptions<D>>,
     /// Options of contacts.
     pub contact: ContactOptions,
     /// How they break.
@@ -161,6 +167,7 @@ impl<const D: usize, const N: usize> Default for Model<D, N> {
             until_overloaded: Vec::new(),
             grains: None,
             fluid: None,
+            pores: None,
             contact: ContactOptions::default(),
             fracture: FractureOptions::default(),
             time: TimeOptions::default(),
@@ -297,50 +304,6 @@ pub struct Boundary<const D: usize = 2> {
     pub load: Load<D>,
     /// Factor of the action in time.
     pub schedule: Schedule,
-}
-
-/// Nodes or facets on which a [`Boundary`] acts.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound(
-    serialize = "[u32; D]: Serialize, [[f64; D]; D]: Serialize",
-    deserialize = "[u32; D]: Deserialize<'de>, [[f64; D]; D]: Deserialize<'de>"
-))]
-pub enum Target<const D: usize = 2> {
-    /// Nodes of the mesh.
-    Nodes(Vec<u32>),
-    /// Facets of elements by their nodes, which go around them counter-clockwise, seen from outside.
-    Facets(Vec<[u32; D]>),
-    /// Facets of elements, with the force on each of their nodes, N: for [`Load::Held`].
-    Held(Vec<[u32; D]>, Vec<[[f64; D]; D]>),
-}
-
-impl<const D: usize> Target<D> {
-    /// Whether it has no nodes and no facets.
-    pub(crate) fn is_empty(&self) -> bool {
-        match self {
-            Self::Nodes(nodes) => nodes.is_empty(),
-            Self::Facets(facets) | Self::Held(facets, _) => facets.is_empty(),
-        }
-    }
-
-    /// Nodes of the target, each once, ascending.
-    pub fn nodes(&self) -> Vec<u32> {
-        let mut nodes = match self {
-            Self::Nodes(nodes) => nodes.clone(),
-            Self::Facets(facets) | Self::Held(facets, _) => facets.as_flattened().to_vec(),
-        };
-        nodes.sort_unstable();
-        nodes.dedup();
-        nodes
-    }
-
-    /// Its facets; none if it has nodes alone.
-    pub fn facets(&self) -> &[[u32; D]] {
-        match self {
-            Self::Nodes(_) => &[],
-            Self::Facets(facets) | Self::Held(facets, _) => facets,
-        }
-    }
 }
 
 /// The factor of a [`Load`] in time.

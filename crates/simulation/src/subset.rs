@@ -134,6 +134,7 @@ where
             }
         }
         model.fluid = model.fluid.map(|fluid| fluid.on_part(&nodes));
+        model.pores = model.pores.map(|pores| pores.on_part(&nodes));
         model.boundaries.retain(|boundary| !boundary.target.is_empty());
         Ok(Subset { model, elements, nodes })
     }

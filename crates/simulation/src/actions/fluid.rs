@@ -158,6 +158,23 @@ impl<const D: usize> FluidAction<D> {
         )
     }
 
+    /// The network to exchange fluid with, if a step of the fluid has just been taken. Asked for after
+    /// [`Action::act`].
+    pub(crate) fn stepped(&mut self, options: &FluidOptions<D>) -> Option<&mut Network<D>> {
+        self.network.as_mut().filter(|_| self.left + 1 == options.steps)
+    }
+
+    /// The facets of the cells here, by the keys of these.
+    pub(crate) fn facets<'a, const N: usize>(
+        &'a self,
+        topology: &'a Topology<D, N>,
+    ) -> impl Iterator<Item = u32> + 'a
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        self.cells.iter().filter_map(|cell| topology.facet_with(cell.sides[0]))
+    }
+
     /// Forces of the pressures on corners here, N.
     fn forces<const N: usize>(&self, scene: &Scene<'_, D, N>) -> Vec<(u32, Point<D>)>
     where

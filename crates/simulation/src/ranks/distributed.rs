@@ -124,6 +124,9 @@ where
         communicator.broadcast(&mut bytes);
         let [frame, common, spheres, fluid]: [Vec<u8>; 4] = value_of(&bytes);
         let frame = CommonData::of_bytes(&frame);
+        if frame.model.pores.is_some() {
+            return Err(ModelError::Pores("the run is on many ranks"));
+        }
         if let Some(of) = frame.model.until_overloaded.first() {
             return Err(ModelError::UntilOverloaded { body: of.body, why: "the run is on many ranks" });
         }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use fdem_contact::Simd;
 use fdem_distributed::wire;
-use fdem_fluid::Network;
+use fdem_fluid::{Network, PorousMatrix};
 use fdem_grains::GrainRun;
 
 use crate::action::{Record, Scene};
@@ -338,6 +338,18 @@ where
     /// The two elements beside each cell of the fluid, in the order of the columns of [`Simulation::fluid`].
     pub fn fluid_joints(&self) -> Vec<[u32; 2]> {
         self.actions.fluid.elements::<N>()
+    }
+
+    /// The liquid in pores: pressures at the nodes of the mesh, flows in the elements of
+    /// [`Simulation::pore_elements`], and the balance of its mass. Surfaces have their numbers in the model
+    /// as keys. `None` without pores.
+    pub fn pores(&self) -> Option<&PorousMatrix<D, N>> {
+        self.actions.pores.matrix()
+    }
+
+    /// Numbers of the elements with pores.
+    pub fn pore_elements(&self) -> &[u32] {
+        self.actions.pores.elements()
     }
 
     /// The model as it was given.

@@ -24,6 +24,8 @@ mod resume;
 mod actions;
 /// Fluid in holes and cracks.
 mod fluid;
+/// Liquid in pores: consolidation, undrained response, seepage.
+mod pores;
 /// Pressures in holes and cracks.
 mod cavity;
 /// Initial stress: stored energy and equilibrium.
