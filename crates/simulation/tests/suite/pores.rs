@@ -126,7 +126,7 @@ fn pressure_error(run: &Simulation, exact: impl Fn([f64; 2]) -> f64) -> f64 {
 /// Time in which the load of the column comes, s.
 const RAMP: f64 = 2.4e-3;
 
-/// A column of 1 m, drained and loaded at its top by 1 MPa, that consolidates in 0.04 s.
+/// A column of 1 m, drained and loaded at its top by 1e6 Pa, that consolidates in 0.04 s.
 fn column(cells: usize) -> Model {
     let width = 1.0 / cells as f64;
     let mesh = rectangle([0.0; 2], [width, 1.0], 1, cells);
@@ -550,7 +550,9 @@ fn cracked() -> Model {
         pores.surfaces.push(drained(name, nodes_where(&mesh, |[x, _]| (x - at).abs() < 1e-9), 0.0));
     }
     let mut crack = edges_where(&mesh, |[x, y]| (x - 0.1).abs() < 1e-9 && y > 0.049);
-    crack.iter_mut().for_each(|edge| edge.sort_unstable());
+    for edge in &mut crack {
+        edge.sort_unstable();
+    }
     crack.sort_unstable();
     crack.dedup();
     let none =
