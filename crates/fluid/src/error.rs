@@ -111,6 +111,24 @@ pub enum FluidError {
     State(String),
 }
 
+impl FluidError {
+    /// The cells and sources that it names: "cell" or "source", and the key.
+    pub fn places(&self) -> Vec<(&'static str, u64)> {
+        match *self {
+            Self::SameKey { what, key }
+            | Self::MassLost { what, key, .. }
+            | Self::NotConverged { what, key, .. }
+            | Self::Pivot { what, key } => vec![(what, key)],
+            Self::Corners { cell, .. } | Self::Flat { cell } => vec![("cell", cell)],
+            Self::NoCell { source, cell } => vec![("source", source), ("cell", cell)],
+            Self::NoPlace { source } | Self::Unconnected { source } => vec![("source", source)],
+            Self::SharedCell { cell, sources: [a, b] } => vec![("cell", cell), ("source", a), ("source", b)],
+            Self::SharedCavity { sources: [a, b] } => vec![("source", a), ("source", b)],
+            Self::OutOfRange { .. } | Self::Length { .. } | Self::State(_) => Vec::new(),
+        }
+    }
+}
+
 impl fmt::Display for FluidError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -24,6 +24,12 @@ impl Schedule {
         Self { times, values }
     }
 
+    /// The same with a time that begins at `start`, s.
+    #[must_use]
+    pub fn later(self, start: f64) -> Self {
+        Self { times: self.times.into_iter().map(|time| time + start).collect(), values: self.values }
+    }
+
     /// The value at a time.
     pub fn at(&self, time: f64) -> f64 {
         let after = self.times.partition_point(|&of| of <= time);
@@ -72,6 +78,15 @@ pub enum Drive {
 }
 
 impl Drive {
+    /// The same with a time that begins at `start`, s.
+    #[must_use]
+    pub fn later(self, start: f64) -> Self {
+        match self {
+            Self::Rate(rate) => Self::Rate(rate.later(start)),
+            Self::Pressure(pressure) => Self::Pressure(pressure.later(start)),
+        }
+    }
+
     /// `lowest`: the least pressure, Pa.
     pub(crate) fn check(&self, place: &str, lowest: f64) -> Result<(), FluidError> {
         match self {
@@ -122,6 +137,7 @@ mod tests {
         // 0 + (3 + 8) + 2 until 5 s.
         assert_eq!(table.integral(0.0, 5.0), 13.0);
         assert_eq!(table.integral(1.0, 1.5) + table.integral(1.5, 3.0), table.integral(0.0, 3.0));
+        assert_eq!(table.clone().later(2.0).at(3.5), table.at(1.5));
         assert_eq!(Schedule::constant(3.0).integral(1.0, 3.0), 6.0);
     }
 }

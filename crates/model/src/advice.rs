@@ -11,6 +11,7 @@ pub(crate) mod slivers;
 pub(crate) mod pressing;
 pub(crate) mod process_zone;
 pub(crate) mod compliance;
+pub(crate) mod fluid;
 pub(crate) mod loading_rate;
 pub(crate) mod fine;
 pub(crate) mod coarse;

@@ -58,6 +58,7 @@
 //! | joint sets in space: polygons, files of polygons | `src/joints/planes.rs`, `src/joints/polygons.rs` |
 //! | bonds between bodies | `src/joints/bonds.rs` |
 //! | loads and motions of boundaries, their schedules, cavities | `src/stages/boundaries.rs`, `schedules.rs` and `cavities.rs` beside it |
+//! | fluid in cracks, injections | `src/stages/fluid.rs`, `src/stages/injections.rs`; their columns: `src/output/fluid_columns.rs`; in `fdem check`: `src/advice/fluid.rs` |
 //! | stages of a run | `src/stages/resolve.rs`, `crates/fdem/src/command/run/stages.rs` |
 //! | supports of rigid bodies that cannot be | `src/stages/supports.rs` |
 //! | conditions that end a run or a stage, servos | `src/stages/conditions.rs` |
@@ -85,6 +86,7 @@ mod prepare;
 
 pub use advice::device_forecast::{Card, DeviceForecast, too_little_memory};
 pub use advice::differences::Modelled;
+pub use advice::fluid::{FluidForecast, FluidRegime};
 pub use advice::locking;
 pub use advice::on_ranks::OnRanks;
 pub use advice::preflight::{Critical, Preflight, Rehearsed, check, steps};

@@ -1,5 +1,6 @@
 //! Quantities that a run records.
 
+pub(crate) mod fluid_columns;
 pub(crate) mod coarse;
 pub(crate) mod probes;
 pub(crate) mod settings;

@@ -19,12 +19,13 @@ use crate::joints::bonds::Bonds;
 use crate::joints::lines::JointLines;
 use crate::joints::sets;
 use crate::output::curves::{self, columns};
-use crate::output::{probes, settings};
+use crate::output::{fluid_columns, probes, settings};
 use crate::prepared::{AnyPrepared, Group, Prepared, PreparedBody};
 use crate::shapes::piece::Piece;
 use crate::shapes::placed::Placed;
 use crate::stages::conditions::{self, Resolved};
-use crate::stages::{boundaries, cavities, resolve, schedules, supports};
+use crate::stages::injections::InjectionPlaces;
+use crate::stages::{boundaries, cavities, fluid, injections, resolve, schedules, supports};
 use crate::text::document::{Document, Table, line_of};
 use crate::text::fault::{Fault, ModelErrors};
 use crate::text::file::{self, ModelFile};
@@ -218,6 +219,8 @@ fn prepare_or_faults(
     boundaries::check(&file, &document, &mut found);
     schedules::check(&file, &document, &mut found);
     cavities::check(&file, &document, &mut found);
+    fluid::check(&file, &document, &mut found);
+    injections::check(&file, &document, &mut found);
     settings::check(&file, &document, &mut found);
     resolve::check(&file, &document, &mut found);
     scaling::check(&file, &document, &mut found);
@@ -331,11 +334,13 @@ impl Checked<'_> {
         let (mesh, placed, missing) = build::build(file, document, (&lines, load), &wrong, &mut found);
         let boundaries =
             boundaries::resolve(file, document, &mesh, &placed, (&missing, &skipped), load, &mut found);
-        let (mut stages, mut bonds) = (Vec::new(), Bonds::default());
+        let (mut stages, mut bonds, mut fluid) = (Vec::new(), Bonds::default(), None);
         if missing.is_empty() {
             stages = resolve::resolve(file, document, &mesh, &placed, &mut found);
             sets::check_groups(file, document, &placed, &mut found);
             bonds = Bonds::find(file, document, &placed, &mut found);
+            let places = InjectionPlaces::of((file, document), (&mesh, &placed), &boundaries, &bonds);
+            fluid = places.fluid(gravity(file), faults.is_empty(), load, &mut found);
         }
         let mut spheres = || assemble::assemble(file, document, (&materials, &placed), load, &mut found);
         let sphere_model = if faults.is_empty() && missing.is_empty() { spheres() } else { None };
@@ -343,10 +348,11 @@ impl Checked<'_> {
         faults.extend(build::crowded(document, &placed));
         none_or(faults)?;
 
-        let histories = settings::histories(file, &mesh.nodes, &placed, &mut warnings);
+        let mut histories = settings::histories(file, &mesh.nodes, &placed, &mut warnings);
         let (mut lost, mut unknown) = (Vec::new(), Vec::new());
-        let probes = probes::probes(file, document, &mesh, &placed, &mut lost);
+        let mut probes = probes::probes(file, document, &mesh, &placed, &mut lost);
         none_or(lost)?;
+        fluid_columns::add(file, &mut histories, &mut probes);
         let own = columns::<D, N>(&histories, &probes);
         let curves = curves::curves::<D>(file, document, &own, &mut unknown);
         let Resolved { until, of_stages, servos } =
@@ -359,6 +365,7 @@ impl Checked<'_> {
             rigid: build::rigid(file, &placed),
             until_overloaded: build::until_overloaded(file, &placed),
             grains: sphere_model.as_ref().map(|of| of.model.clone()),
+            fluid,
             velocities: initial::velocities(file, &placed),
             stresses: initial::stresses(file, &mesh, &placed),
             mesh,
@@ -548,6 +555,7 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
         ("material", names(&file.material, |material| &material.name)),
         ("joint_set", names(&file.joint_set, |set| &set.name)),
         ("boundary", names(&file.boundary, |boundary| &boundary.name)),
+        ("injection", names(&file.injection, |injection| &injection.name)),
         ("history", names(&file.history, |history| &history.name)),
         ("stage", names(&file.stage, |stage| &stage.name)),
         ("curve", names(&file.curve, |curve| &curve.name)),

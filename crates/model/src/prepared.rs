@@ -115,6 +115,9 @@ pub struct PreparedStage {
     pub materials: Vec<u32>,
     /// Whether each boundary of the model acts.
     pub boundaries: Vec<bool>,
+    /// Whether each injection pumps; `None` if there is no fluid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub injections: Option<Vec<bool>>,
     /// Factor of the forces of all that vanishes at its beginning; `None` if they vanish too.
     pub release: Option<Schedule>,
     /// Local damping.

@@ -2,6 +2,8 @@
 
 pub(crate) mod schedules;
 pub(crate) mod cavities;
+pub(crate) mod fluid;
+pub(crate) mod injections;
 pub(crate) mod boundaries;
 pub(crate) mod conditions;
 pub(crate) mod resolve;

@@ -90,6 +90,10 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         faults.extend(wrong_axis(boundary.rotation.as_ref(), d, document, table));
         flat_boundary(boundary, d, (document, table), faults);
     }
+    for (index, injection) in file.injection.iter().enumerate() {
+        let at = injection.at.as_ref().map(|at| at.0.len());
+        vectors.extend(at.map(|found| (Table::of("injection", index), "at".to_owned(), found, d)));
+    }
     vectors.extend(
         coarse::length(file, d).map(|(table, key, found, wanted)| (table, key.to_owned(), found, wanted)),
     );

@@ -5,6 +5,7 @@
 //! - `bonds`: joint sets between bodies.
 //! - `cavities`: pressures in holes and cracks, schedules of loads.
 //! - `coming`: spheres that come in and boxes that remove them, clumps.
+//! - `fluid`: fluid in cracks, injections.
 //! - `grains`: spheres and walls.
 //! - `ground`: the surface of ground at rest.
 //! - `joint_sets`: joints in the mesh, and their laws.
@@ -37,6 +38,8 @@ mod cavities;
 mod coming;
 #[path = "model/examples.rs"]
 mod examples;
+#[path = "model/fluid.rs"]
+mod fluid;
 #[path = "model/grains.rs"]
 mod grains;
 #[path = "model/ground.rs"]

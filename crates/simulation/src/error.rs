@@ -399,11 +399,8 @@ pub enum Stop {
         /// The reason.
         GrainError,
     ),
-    /// The fluid cannot continue.
-    Fluid(
-        /// The reason.
-        FluidError,
-    ),
+    /// The fluid cannot continue, for this reason.
+    Fluid(String),
     /// A run cannot continue with a body that was rigid until it was overloaded, for this reason.
     Released(String),
     /// A device has failed, for this reason.
@@ -440,8 +437,9 @@ impl Stop {
         match self {
             Self::Detection(error) => Self::OnRank { rank, reason: error.to_string() },
             Self::Grains(error) => Self::OnRank { rank, reason: error.to_string() },
-            Self::Fluid(error) => Self::OnRank { rank, reason: error.to_string() },
-            Self::Released(reason) | Self::Device(reason) => Self::OnRank { rank, reason },
+            Self::Fluid(reason) | Self::Released(reason) | Self::Device(reason) => {
+                Self::OnRank { rank, reason }
+            }
             stop => stop,
         }
     }
@@ -465,8 +463,9 @@ impl Wire for Stop {
             }
             Self::Detection(error) => (5_u8, (0_u64, error.to_string())).put(out),
             Self::Grains(error) => (5_u8, (0_u64, error.to_string())).put(out),
-            Self::Fluid(error) => (5_u8, (0_u64, error.to_string())).put(out),
-            Self::Released(reason) | Self::Device(reason) => (5_u8, (0_u64, reason.clone())).put(out),
+            Self::Fluid(reason) | Self::Released(reason) | Self::Device(reason) => {
+                (5_u8, (0_u64, reason.clone())).put(out);
+            }
             Self::OnRank { rank, reason } => (5_u8, (*rank as u64, reason.clone())).put(out),
         }
     }
@@ -522,7 +521,7 @@ impl fmt::Display for Stop {
             ),
             Self::Detection(error) => write!(out, "contact detection: {error}"),
             Self::Grains(error) => write!(out, "grains: {error}"),
-            Self::Fluid(error) => write!(out, "fluid: {error}"),
+            Self::Fluid(reason) => write!(out, "fluid: {reason}"),
             Self::Released(reason) => write!(out, "a body that was rigid until it was overloaded: {reason}"),
             Self::Device(reason) => write!(out, "the device has failed: {reason}"),
             Self::OnRank { rank, reason } => write!(out, "rank {rank}: {reason}"),

@@ -1,9 +1,10 @@
 //! Probes: means of stress, strain and velocity, strain gauges, forces between bodies, reactions, joint sets,
-//! rigid bodies, spheres and walls.
+//! rigid bodies, fluid, spheres and walls.
 //!
 //! A probe is a short list of exact sums over the counted elements of a rank, and a rule that turns them into
 //! values. Ranks add their sums up before the rule, so that neither ranks nor threads change a bit.
 
+mod fluid;
 pub(crate) mod joints;
 mod spheres;
 pub(crate) mod touching;
@@ -129,6 +130,15 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
     /// Pressure at the beginning of the last step, Pa, volume, m³, area of the faces, m², work of the
     /// pressure and energy of a gas, J, of the cavity of the boundary with this name.
     Cavity(String),
+    /// The fluid as a whole: volumes at the reference density, m³, that were there at the beginning, have
+    /// been injected, have leaked off, were drained with joints that are no more, are stored, and could not
+    /// be taken out; the length, m, or area, m², of the joints times their saturations; the error of the
+    /// balance of the mass, kg. The values are those at the last step of the fluid, and not numbers without a
+    /// fluid.
+    Fluid,
+    /// Pressure, Pa, rate, m³/s, and injected volume, m³, of the source of the fluid with this name. The
+    /// values are not numbers if there is no such source.
+    Injection(String),
     /// Mean opening and slip now, m, and mean normal and shear stress at the beginning of the last step, Pa,
     /// tension positive, of the joints of the set with this name, weighted by their undeformed length or
     /// area.
@@ -186,6 +196,8 @@ where
             Self::Cavity(_) => {
                 vec![("pressure", "Pa"), ("volume", "m³"), ("area", "m²"), ("work", "J"), ("energy", "J")]
             }
+            Self::Fluid => fluid::COLUMNS[D - 2].to_vec(),
+            Self::Injection(_) => fluid::OF_SOURCE.to_vec(),
             Self::JointSet(_) => joints::COLUMNS.to_vec(),
             Self::Softening => SOFTENING[D - 2].to_vec(),
             Self::Wall { .. } => spheres::WALL.to_vec(),
@@ -217,6 +229,8 @@ where
             Self::ContactForce(bodies) => Self::ContactForce(bodies.clone()),
             Self::RigidBody(body) => Self::RigidBody(*body),
             Self::Cavity(name) => Self::Cavity(name.clone()),
+            Self::Fluid => Self::Fluid,
+            Self::Injection(name) => Self::Injection(name.clone()),
             Self::JointSet(name) => Self::JointSet(name.clone()),
             Self::Softening => Self::Softening,
             Self::ForceOfSpheres(_) | Self::Wall { .. } | Self::Spheres { .. } => self.clone(),
@@ -252,6 +266,8 @@ where
             | Self::PointVelocity(_)
             | Self::Gauge { .. }
             | Self::RigidBody(_)
+            | Self::Fluid
+            | Self::Injection(_)
             | Self::Softening => false,
         }
     }
@@ -268,6 +284,9 @@ where
             Self::RigidBody(_) => RIGID[D - 2].len() + 1,
             // The last counts the cavities of this name: 0 in a stage that has none.
             Self::Cavity(_) => 6,
+            // The last counts the fluids, and the sources of this name.
+            Self::Fluid => fluid::COLUMNS[D - 2].len() + 1,
+            Self::Injection(_) => fluid::OF_SOURCE.len() + 1,
             // The last is that of the lengths or areas.
             Self::JointSet(_) => 5,
             Self::Softening => 2,
@@ -305,6 +324,8 @@ where
             | Self::Softening => sums,
             Self::RigidBody(_) => (0..RIGID[D - 2].len()).map(mean).collect(),
             Self::Cavity(_) => (0..5).map(mean).collect(),
+            Self::Fluid => (0..fluid::COLUMNS[D - 2].len()).map(mean).collect(),
+            Self::Injection(_) => (0..fluid::OF_SOURCE.len()).map(mean).collect(),
             Self::JointSet(_) => (0..4).map(mean).collect(),
             Self::Wall { .. } => (0..spheres::WALL.len()).map(mean).collect(),
             Self::Spheres { .. } => spheres::means(&sums),
@@ -397,6 +418,8 @@ where
                     add(&[pressure, volume, area, work, stored, 1.0], 1.0);
                 }
             }
+            Probe::Fluid => self.visit_fluid(|terms| add(terms, 1.0)),
+            Probe::Injection(name) => self.visit_injection(name, |terms| add(terms, 1.0)),
             Probe::Softening => self.damaged_lengths(|lengths| add(&lengths, 1.0)),
             Probe::JointSet(name) => self.each_joint_of(name, |terms| add(&terms, 1.0)),
             Probe::Wall { wall } => self.visit_wall(*wall, |terms| add(terms, 1.0)),
@@ -511,6 +534,8 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
                 (12_u8, region.map_or_else(Vec::new, |corners| corners.as_flattened().to_vec())).put(out);
             }
             Self::ForceOfSpheres([by, on]) => (13_u8, (by.parts(), on.parts())).put(out),
+            Self::Fluid => 14_u8.put(out),
+            Self::Injection(name) => (15_u8, name.clone()).put(out),
         }
     }
 
@@ -535,6 +560,8 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
                 let (by, on) = <((String, Vec<u32>), (String, Vec<u32>))>::take(bytes);
                 Self::ForceOfSpheres([by, on].map(TouchingSide::of_parts))
             }
+            14 => Self::Fluid,
+            15 => Self::Injection(String::take(bytes)),
             _ => {
                 let corners = Vec::<f64>::take(bytes);
                 let corner = |first: usize| std::array::from_fn(|axis| corners[first + axis]);

@@ -50,6 +50,21 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     pub laws: Vec<MaterialLaw>,
     /// Spheres and walls.
     pub spheres: SphereColumns,
+    /// The joints that fluid can enter, by ascending elements; `None` without a fluid.
+    pub fluid: Option<Vec<WetJoint>>,
+}
+
+/// A joint that fluid can enter: a cell of the fluid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WetJoint {
+    /// Elements on its two sides, ascending.
+    pub elements: [u32; 2],
+    /// Pressure, Pa; the lowest one of the fluid where the joint is not full.
+    pub pressure: f64,
+    /// Hydraulic aperture, m.
+    pub aperture: f64,
+    /// Part of it that is full, from 0 to 1.
+    pub saturation: f64,
 }
 
 impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
@@ -72,6 +87,7 @@ impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
             strengths: Vec::new(),
             laws: Vec::new(),
             spheres: SphereColumns::default(),
+            fluid: None,
         }
     }
 }
@@ -80,6 +96,14 @@ impl<const D: usize, const N: usize> Snapshot<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
+    /// The fluid in the joint between two elements; `None` if fluid cannot enter it.
+    pub fn wet_joint(&self, elements: [u32; 2]) -> Option<&WetJoint> {
+        let [a, b] = elements;
+        let fluid = self.fluid.as_deref()?;
+        let place = fluid.binary_search_by_key(&[a.min(b), a.max(b)], |of| of.elements).ok()?;
+        fluid.get(place)
+    }
+
     /// Largest and smallest principal stress of an element, Pa: of those in the plane, in two dimensions.
     ///
     /// # Panics

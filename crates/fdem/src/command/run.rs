@@ -13,6 +13,7 @@ pub(crate) mod intact;
 mod log;
 mod manifest;
 mod observer;
+mod fluid;
 mod quasi_static;
 mod ranks;
 mod recorder;
@@ -45,6 +46,7 @@ use emission::Emission;
 use engine::Engine;
 use fdem_model::{AnyPrepared, Checkpoint as When, Preflight, Prepared, Reached};
 use fdem_model::{open_from_start, prepare_any, steps, with_end_time};
+use fluid::RunFluid;
 use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};
 use intact::Intact;
 use log::RunLog;
@@ -295,6 +297,7 @@ where
     emission: Option<Emission>,
     /// Whether the run was quasi-static, once it has ended.
     quasi_static: Option<QuasiStatic>,
+    fluid: Option<RunFluid>,
 }
 
 /// How the steps of a run ended.
@@ -349,6 +352,7 @@ where
             empty_curves: Vec::new(),
             emission: None,
             quasi_static: None,
+            fluid: None,
         })
     }
 
@@ -396,6 +400,10 @@ where
         self.inertia = if has_spheres { None } else { inertia(&history) };
         self.quasi_static = QuasiStatic::of(&self.course.prepared, &history);
         if let Some(warning) = self.quasi_static.as_ref().and_then(QuasiStatic::warning) {
+            self.told.say(&warning);
+        }
+        self.fluid = RunFluid::of(&*self.course.run, &self.course.prepared, &history);
+        if let Some(warning) = self.fluid.as_ref().and_then(RunFluid::warning) {
             self.told.say(&warning);
         }
         self.emission = Emission::of(&*self.course.run, &self.course.prepared);
@@ -618,6 +626,9 @@ where
         json["until_met"] = until.map_or(Value::Null, |_| Value::Bool(self.course.reached.met));
         json["acoustic_emission"] = self.emission.as_ref().map_or(Value::Null, Emission::json);
         json["mass_scaling"] = self.quasi_static.as_ref().map_or(Value::Null, QuasiStatic::json);
+        if let Some(fluid) = &self.fluid {
+            json["fluid"] = fluid.json();
+        }
         json["inertia"] = self.inertia.as_ref().map_or(Value::Null, log::inertia);
         let empty = self.empty_curves.iter().map(|(name, why)| log::empty_curve(name, why));
         json["curves"] = self.curves.iter().map(log::curve).chain(empty).collect();
@@ -677,6 +688,7 @@ where
     /// The summary of the run: names and texts of its lines.
     fn facts(&self, status: &str, fragments: &Fragments<D>) -> Vec<(&'static str, String)> {
         let mut more = Vec::new();
+        more.extend(self.fluid.as_ref().map(|fluid| ("fluid", fluid.in_words())));
         more.extend(self.emission.as_ref().map(|emission| ("emission", emission.in_words())));
         more.extend(self.quasi_static.as_ref().map(|of_run| ("mass scaling", of_run.in_words())));
         more.extend(self.inertia.as_ref().map(|inertia| ("inertia", log::inertia_in_words(inertia))));

@@ -11,6 +11,7 @@
 //! - `pairs`: cut-offs by pairs of types.
 //! - `bodies`: elements that are parts of bodies.
 //! - `labels`: images of bodies.
+//! - `fluid`: fluid in cracks: results, stages, refusals.
 //! - `rigid`: rigid bodies in model files.
 //! - `devices`: graphics processors.
 //! - `mesh`: meshes, several files, spheres against walls.
@@ -43,6 +44,7 @@ mod devices;
 mod drawings;
 mod earlier;
 mod flat;
+mod fluid;
 mod formats;
 mod generate;
 mod joints;

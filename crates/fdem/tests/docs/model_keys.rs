@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde_json::{Map, Value};
 
 /// Tables of the file in the usual order; below each the tables in its keys.
-const ORDER: [(&str, &[&str]); 20] = [
+const ORDER: [(&str, &[&str]); 22] = [
     ("model", &["mass_scaling"]),
     (
         "body",
@@ -38,6 +38,8 @@ const ORDER: [(&str, &[&str]); 20] = [
     ("interface", &[]),
     ("joint_set", &[]),
     ("boundary", &["Rotation", "servo"]),
+    ("fluid", &[]),
+    ("injection", &[]),
     ("stage", &["until"]),
     ("initial", &["Principal", "Ground"]),
     ("contact", &[]),

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::Quality;
-use fdem_simulation::{CriticalStep, Forecast, Insertion, Model, Simulation};
+use fdem_simulation::{CriticalStep, Forecast, Insertion, Model, ModelError, Simulation};
 use serde::Serialize;
 
 use crate::advice::amounts::{YEAR, duration, size};
@@ -13,6 +13,7 @@ use crate::advice::clock::processor_time;
 use crate::advice::compliance;
 use crate::advice::deforming;
 use crate::advice::device_forecast::DeviceForecast;
+use crate::advice::fluid::FluidForecast;
 use crate::advice::on_ranks::OnRanks;
 use crate::advice::overlaps;
 use crate::advice::scaling;
@@ -144,6 +145,9 @@ pub struct Preflight {
     pub about_files: Vec<String>,
     /// Materials that have keys from the library.
     pub from_library: Vec<FromLibrary>,
+    /// The fluid, of a run in stages that of the first; `None` without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<FluidForecast>,
     /// Mass that has been added for a longer time step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mass_scaling: Option<Scaled>,
@@ -226,8 +230,9 @@ impl Preflight {
         let critical = Critical::from(run.critical_step());
         let (step, steps) = steps(prepared, critical.step)?;
         let is_of_later = is_in_stages && step < 0.99 * model.time.safety * critical.step;
-        let pace = Pace::of(run, steps, prepared);
         let mut warnings = prepared.warnings.clone();
+        let fluid = FluidForecast::of(&run, [step, prepared.end_time], &mut warnings);
+        let pace = Pace::of(run, steps, prepared);
         if step > critical.step {
             warnings.push(format!(
                 "the time step {} s is above the critical one, {} s: the run will not be stable",
@@ -281,6 +286,7 @@ impl Preflight {
             softer_by_joints: compliance::softer(model),
             about_files: prepared.about_files.clone(),
             from_library: prepared.from_library.clone(),
+            fluid,
             mass_scaling: prepared.mass_scaling.clone(),
             critical,
             is_of_later,
@@ -511,6 +517,9 @@ impl fmt::Display for Preflight {
                 out,
                 "                 of the first stage; a later one has a shorter one, which sets the step"
             )?;
+        }
+        if let Some(fluid) = &self.fluid {
+            write!(out, "{fluid}")?;
         }
         if let Some(scaled) = &self.mass_scaling {
             writeln!(out, "mass scaling     {}", scaled.in_words())?;

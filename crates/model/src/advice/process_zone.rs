@@ -96,7 +96,7 @@ pub(crate) fn warnings<const D: usize, const N: usize>(model: &Model<D, N>, warn
 }
 
 /// E' of a material, Pa.
-fn plane_modulus<const D: usize, const N: usize>(model: &Model<D, N>, material: usize) -> f64 {
+pub(crate) fn plane_modulus<const D: usize, const N: usize>(model: &Model<D, N>, material: usize) -> f64 {
     let material = &model.materials[material];
     match model.plane {
         Plane::Stress if D == 2 => material.youngs_modulus,

@@ -65,9 +65,11 @@ pub(crate) fn of(file: &ModelFile, load: &mut Load<'_>) -> u8 {
         }
         Some(if mesh_file::is_in_space(name, load)? { 3 } else { 2 })
     };
-    let boundaries = || file.boundary.iter().any(is_in_space).then_some(3);
+    let boundaries = || file.boundary.iter().any(is_in_space);
+    let injections = || file.injection.iter().any(|of| of.at.as_ref().is_some_and(|at| at.0.len() == 3));
+    let in_space = || (boundaries() || injections()).then_some(3);
     let said = file.model.dimensions.filter(|said| [2, 3].contains(said));
-    said.or_else(told).or_else(vectors).or_else(&mut from_files).or_else(boundaries).unwrap_or(2)
+    said.or_else(told).or_else(vectors).or_else(&mut from_files).or_else(in_space).unwrap_or(2)
 }
 
 /// Whether a boundary can only be meant for three dimensions.

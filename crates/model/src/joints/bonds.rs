@@ -126,6 +126,15 @@ impl<const D: usize> Bonds<D> {
         bonds
     }
 
+    /// The bonded facets: the number of the joint set, and the nodes of the body that comes first.
+    pub(crate) fn facets(&self) -> Vec<(u32, [u32; D])> {
+        let of = |(set, _, facets): &(u32, usize, Vec<[u32; D]>)| {
+            let set = *set;
+            facets.iter().map(|facet| (set, *facet)).collect::<Vec<_>>()
+        };
+        self.sets.iter().flat_map(of).collect()
+    }
+
     /// The node that a node becomes: the first of all that lie on each other. Three bodies and more may meet
     /// there, whether or not each two of them are bonded.
     fn first(&self, mut node: u32) -> u32 {
@@ -204,6 +213,9 @@ impl<const D: usize> Bonds<D> {
                     }
                 }
             }
+        }
+        for source in model.fluid.iter_mut().flat_map(|fluid| &mut fluid.sources) {
+            source.facets.iter_mut().for_each(|facet| *facet = facet.map(first));
         }
         for (set, pairs, facets) in &self.sets {
             let facets: Vec<[u32; D]> = facets.iter().map(|facet| facet.map(first)).collect();

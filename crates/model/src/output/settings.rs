@@ -2,7 +2,7 @@
 
 use fdem_results::{Field, MOST_ELEMENTS, SAMPLE};
 
-use crate::output::{coarse, probes};
+use crate::output::{coarse, fluid_columns, probes};
 use crate::prepared::{Checkpoint, OutputSettings, PreparedHistory, Quantity};
 use crate::shapes::placed::{self, Placed, is_body};
 use crate::text::document::{Document, Table};
@@ -56,6 +56,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
         );
     }
     coarse::check(file, document, faults);
+    check_fields(file, document, faults);
     for (index, name) in output.fragments.iter().flatten().enumerate() {
         if is_body(file, name) {
             continue;
@@ -112,6 +113,25 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
     }
 }
 
+/// Reports fields of a fluid where there is none.
+fn check_fields(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
+    let output = &file.output;
+    let animated = match output.animate {
+        Some(Animate::Field(field)) => Some(("animate", field)),
+        _ => None,
+    };
+    let drawn = output.fields.iter().flatten().map(|field| ("fields", *field)).chain(animated);
+    let of_fluid = drawn.filter(|(_, field)| field.quantity().of_fluid && file.fluid.is_none());
+    for (key, field) in of_fluid {
+        let message = format!("[output] {key} has \"{}\", and there is no fluid", field.key());
+        faults.push(
+            Fault::at(document.value(Table::one("output"), key), message)
+                .label("no [fluid]")
+                .help("add a table [fluid], or take the field out"),
+        );
+    }
+}
+
 /// The settings, with defaults. `file` has been checked.
 pub(crate) fn settings<const D: usize, const N: usize>(
     file: &ModelFile,
@@ -132,7 +152,8 @@ pub(crate) fn settings<const D: usize, const N: usize>(
         },
         fields,
         shown: output.shown_elements.map_or([MOST_ELEMENTS, SAMPLE], |most| [most as usize; 2]),
-        intact_joints: output.intact_joints,
+        // Fluid flows in closed joints that have an aperture.
+        intact_joints: output.intact_joints || fluid_columns::conducts(file),
         fragments: output.fragments.as_ref().map(|names| {
             let bodies = names.iter().flat_map(|name| placed::named(placed, file, name));
             bodies.map(|body| body as u32).collect()

@@ -7,7 +7,8 @@ use fdem_simulation::{Boundary, Load, Target};
 
 use crate::bodies::dimensions::Dimensions;
 use crate::shapes::placed::{self, Placed, is_piece};
-use crate::stages::{cavities, schedules};
+use crate::stages::cavities;
+use crate::stages::schedules::Factor;
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, suggestion};
 use crate::text::file::{self, Component, ModelFile, Side};
@@ -205,7 +206,8 @@ where
             );
             continue;
         }
-        let schedule = schedules::schedule((file, boundary), (document, table), read, faults);
+        let schedule =
+            Factor::of_boundary(boundary, index).schedule(file.model.end_time, document, read, faults);
         let boundary = Boundary { name: boundary.name.clone(), target, load, schedule };
         cavities::check_gas(&boundary, (document, table), faults);
         boundaries.push(boundary);

@@ -56,6 +56,24 @@ pub(crate) fn load<const D: usize>(boundary: &file::Boundary) -> Option<Load<D>>
     Some(Load::Cavity { pressure, gas: boundary.gas_exponent })
 }
 
+/// The facets of the smallest hole around a point. `outline`: facets among which holes are looked for.
+pub(crate) fn hole_around<const D: usize, const N: usize>(
+    point: [f64; D],
+    outline: &[[u32; D]],
+    mesh: &Mesh<D, N>,
+) -> Option<Vec<[u32; D]>>
+where
+    [[f64; D]; N]: Dimensions<D, N>,
+{
+    let place = |node: u32| -> [f64; D] { mesh.nodes[node as usize] };
+    let seen = |facet: &[u32; D]| {
+        <[[f64; D]; N]>::seen(facet.map(|node| std::array::from_fn(|k| place(node)[k] - point[k])))
+    };
+    // From within a hole its facets are seen from their outer sides, all around.
+    let is_around = |facets: &Vec<[u32; D]>| facets.iter().map(seen).sum::<f64>() < -0.5;
+    connected(outline).into_iter().filter(is_around).min_by_key(Vec::len)
+}
+
 /// The facets of the smallest hole around a point; if there is none, the facet of the nearest open joint, if
 /// the point is on it. `outline`: facets among which holes are looked for.
 pub(crate) fn at<const D: usize, const N: usize>(
@@ -68,17 +86,10 @@ pub(crate) fn at<const D: usize, const N: usize>(
 where
     [[f64; D]; N]: Dimensions<D, N>,
 {
-    let place = |node: u32| -> [f64; D] { mesh.nodes[node as usize] };
-    let seen = |facet: &[u32; D]| {
-        <[[f64; D]; N]>::seen(facet.map(|node| std::array::from_fn(|k| place(node)[k] - point[k])))
-    };
-    // From within a hole its facets are seen from their outer sides, all around.
-    let is_around = |facets: &&Vec<[u32; D]>| facets.iter().map(seen).sum::<f64>() < -0.5;
-    let holes = connected(outline);
-    let smallest = holes.iter().filter(is_around).min_by_key(|facets| facets.len());
-    if let Some(hole) = smallest {
-        return hole.clone();
+    if let Some(hole) = hole_around(point, outline, mesh) {
+        return hole;
     }
+    let place = |node: u32| -> [f64; D] { mesh.nodes[node as usize] };
     let distance = |a: [f64; D], b: [f64; D]| (0..D).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
     let middle = |facet: &[u32; D]| -> [f64; D] {
         std::array::from_fn(|k| facet.iter().map(|&node| place(node)[k]).sum::<f64>() / D as f64)
@@ -131,16 +142,7 @@ pub(crate) fn check_gas<const D: usize>(
     if !matches!(boundary.load, Load::Cavity { gas: Some(_), .. }) {
         return;
     }
-    // The nodes of a closed line, and the edges of a closed surface, belong to two facets each.
-    let mut rims: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
-    for facet in boundary.target.facets() {
-        for without in facet {
-            let mut rim: Vec<u32> = facet.iter().copied().filter(|node| node != without).collect();
-            rim.sort_unstable();
-            *rims.entry(rim).or_default() += 1;
-        }
-    }
-    if rims.values().any(|count| count % 2 == 1) {
+    if !is_closed(boundary.target.facets()) {
         faults.push(
             Fault::at(
                 document.key(table, "gas_exponent"),
@@ -149,4 +151,17 @@ pub(crate) fn check_gas<const D: usize>(
             .help("choose a hole by group or at; without gas_exponent the pressure follows the schedule"),
         );
     }
+}
+
+/// Whether each rim of facets, a node in the plane and an edge in space, belongs to two of them.
+pub(crate) fn is_closed<const D: usize>(facets: &[[u32; D]]) -> bool {
+    let mut rims: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+    for facet in facets {
+        for without in facet {
+            let mut rim: Vec<u32> = facet.iter().copied().filter(|node| node != without).collect();
+            rim.sort_unstable();
+            *rims.entry(rim).or_default() += 1;
+        }
+    }
+    rims.values().all(|count| count % 2 == 0)
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use fdem_simulation::{Boundary, Load, ModelError, Schedule, Simulation, Subset, Target};
 
-use crate::prepared::{Entered, Prepared, PreparedBody, PreparedServo, Quantity};
+use crate::prepared::{Entered, Prepared, PreparedBody, PreparedServo, PreparedStage, Quantity};
 
 /// The parts of a model that are present in a stage.
 #[derive(Debug)]
@@ -48,6 +48,15 @@ where
         Ok((self, first))
     }
 
+    /// The time since which something acts without a break, s. `acts`: whether it does in a stage.
+    fn start(&self, entered: &Entered<D>, step: f64, acts: impl Fn(&PreparedStage) -> bool) -> f64 {
+        let so_far = &self.stages[..=entered.stage()];
+        let since = so_far.iter().rposition(|stage| !acts(stage)).map_or(0, |before| before + 1);
+        // The first stage begins with the run.
+        let begun = entered.begun.get(since).filter(|_| since > 0);
+        begun.map_or(0.0, |begun| *begun as f64 * step)
+    }
+
     /// The model of the stage that a run has entered. `step`: the time step, s.
     ///
     /// # Errors
@@ -72,15 +81,18 @@ where
         for (number, mut boundary) in
             all.into_iter().enumerate().filter(|(number, _)| stage.boundaries[*number])
         {
-            // It may have acted in the stages before without a break.
-            let so_far = &self.stages[..=entered.stage()];
-            let since =
-                so_far.iter().rposition(|stage| !stage.boundaries[number]).map_or(0, |before| before + 1);
-            if since > 0 {
-                let start = entered.begun[since] as f64 * step;
+            let start = self.start(entered, step, |stage| stage.boundaries[number]);
+            if start > 0.0 {
                 boundary.schedule = Schedule::From(start, Box::new(boundary.schedule));
             }
             model.boundaries.push(boundary);
+        }
+        model.fluid = model.fluid.filter(|_| stage.injections.is_some());
+        let sources = model.fluid.iter_mut().flat_map(|fluid| &mut fluid.sources);
+        for (number, source) in sources.enumerate() {
+            let is_on = |stage: &PreparedStage| stage.injections.as_ref().is_some_and(|pumps| pumps[number]);
+            let start = self.start(entered, step, is_on);
+            source.drive = source.drive.take().filter(|_| is_on(stage)).map(|drive| drive.later(start));
         }
         model.boundaries.extend(entered.held.iter().cloned());
         let Subset { model, elements, nodes } = model.keeping(&stage.elements)?;

@@ -1,4 +1,4 @@
-//! Factors of boundaries in time: ramps, tables, files with tables, and expressions.
+//! Factors of boundaries and injections in time: ramps, tables, files with tables, and expressions.
 
 use fdem_simulation::Schedule;
 
@@ -12,75 +12,119 @@ use crate::text::values;
 /// Intervals of the run in which an expression of the time is replaced by straight lines.
 const INTERVALS: u32 = 4000;
 
-/// Checks the schedules of boundaries before anything is meshed.
-pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
-    for (index, boundary) in file.boundary.iter().enumerate() {
-        let table = Table::of("boundary", index);
-        let title = format!("[[boundary]] \"{}\"", boundary.name);
-        if let [first, second, ..] = given(boundary)[..] {
+/// The keys of the schedule of a boundary or an injection.
+pub(crate) struct Factor<'a> {
+    /// "[[boundary]] "name"".
+    title: String,
+    table: Table,
+    ramp: Option<f64>,
+    rows: Option<&'a [[f64; 2]]>,
+    table_file: Option<&'a str>,
+    expression: Option<&'a str>,
+}
+
+impl<'a> Factor<'a> {
+    /// The keys of a boundary, by its number.
+    pub(crate) fn of_boundary(boundary: &'a file::Boundary, index: usize) -> Self {
+        Self {
+            title: format!("[[boundary]] \"{}\"", boundary.name),
+            table: Table::of("boundary", index),
+            ramp: boundary.ramp,
+            rows: boundary.table.as_deref(),
+            table_file: boundary.table_file.as_deref(),
+            expression: boundary.expression.as_deref(),
+        }
+    }
+
+    /// The keys of an injection, by its number.
+    pub(crate) fn of_injection(injection: &'a file::Injection, index: usize) -> Self {
+        Self {
+            title: format!("[[injection]] \"{}\"", injection.name),
+            table: Table::of("injection", index),
+            ramp: injection.ramp,
+            rows: injection.table.as_deref(),
+            table_file: injection.table_file.as_deref(),
+            expression: injection.expression.as_deref(),
+        }
+    }
+
+    /// The keys that are given.
+    pub(crate) fn given(&self) -> Vec<&'static str> {
+        let all = [
+            ("ramp", self.ramp.is_some()),
+            ("table", self.rows.is_some()),
+            ("table_file", self.table_file.is_some()),
+            ("expression", self.expression.is_some()),
+        ];
+        all.into_iter().filter(|(_, given)| *given).map(|(key, _)| key).collect()
+    }
+
+    /// Checks the keys before anything is meshed.
+    fn check(&self, document: &Document<'_>, faults: &mut Vec<Fault>) {
+        let Self { title, table, .. } = self;
+        if let [first, second, ..] = self.given()[..] {
             faults.push(
-                Fault::at(document.key(table, second), format!("{title} has both {first} and {second}"))
+                Fault::at(document.key(*table, second), format!("{title} has both {first} and {second}"))
                     .label("a second schedule"),
             );
         }
-        if boundary.table.as_deref().is_some_and(|times| !ascend(times)) {
+        if self.rows.is_some_and(|times| !ascend(times)) {
             faults.push(
                 Fault::at(
-                    document.value(table, "table"),
+                    document.value(*table, "table"),
                     format!("{title}: the times of its table do not ascend"),
                 )
                 .label("out of order"),
             );
         }
     }
+
+    /// The factor in time. `end`: that of the run, s.
+    pub(crate) fn schedule(
+        &self,
+        end: f64,
+        document: &Document<'_>,
+        load: &mut Load<'_>,
+        faults: &mut Vec<Fault>,
+    ) -> Schedule {
+        let mut fault = |key: &str, message: String| {
+            let title = &self.title;
+            faults.push(Fault::at(document.value(self.table, key), format!("{title}: {message}")));
+            Schedule::Constant
+        };
+        if let Some(name) = self.table_file {
+            return match read(name, load) {
+                Ok(times) => Schedule::Table(times),
+                Err(message) => fault("table_file", message),
+            };
+        }
+        if let Some(text) = self.expression {
+            let times = (0..=INTERVALS).map(|k| end * f64::from(k) / f64::from(INTERVALS));
+            return match values::of_time(text, times) {
+                Ok(times) => Schedule::Table(times),
+                Err(message) => fault("expression", message),
+            };
+        }
+        match (self.ramp, self.rows) {
+            (Some(ramp), _) => Schedule::Ramp(ramp),
+            (None, Some(table)) => Schedule::Table(table.to_vec()),
+            (None, None) => Schedule::Constant,
+        }
+    }
 }
 
-/// The keys of schedules that are given.
-fn given(boundary: &file::Boundary) -> Vec<&'static str> {
-    let all = [
-        ("ramp", boundary.ramp.is_some()),
-        ("table", boundary.table.is_some()),
-        ("table_file", boundary.table_file.is_some()),
-        ("expression", boundary.expression.is_some()),
-    ];
-    all.into_iter().filter(|(_, given)| *given).map(|(key, _)| key).collect()
+/// Checks the schedules of boundaries and injections before anything is meshed.
+pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
+    for (index, boundary) in file.boundary.iter().enumerate() {
+        Factor::of_boundary(boundary, index).check(document, faults);
+    }
+    for (index, injection) in file.injection.iter().enumerate() {
+        Factor::of_injection(injection, index).check(document, faults);
+    }
 }
 
 fn ascend(times: &[[f64; 2]]) -> bool {
     times.windows(2).all(|pair| pair[0][0] < pair[1][0])
-}
-
-/// The factor of a boundary in time.
-pub(crate) fn schedule(
-    (file, boundary): (&ModelFile, &file::Boundary),
-    (document, table): (&Document<'_>, Table),
-    load: &mut Load<'_>,
-    faults: &mut Vec<Fault>,
-) -> Schedule {
-    let mut fault = |key: &str, message: String| {
-        let title = format!("[[boundary]] \"{}\"", boundary.name);
-        faults.push(Fault::at(document.value(table, key), format!("{title}: {message}")));
-        Schedule::Constant
-    };
-    if let Some(name) = &boundary.table_file {
-        return match read(name, load) {
-            Ok(times) => Schedule::Table(times),
-            Err(message) => fault("table_file", message),
-        };
-    }
-    if let Some(text) = &boundary.expression {
-        let end = file.model.end_time;
-        let times = (0..=INTERVALS).map(|k| end * f64::from(k) / f64::from(INTERVALS));
-        return match values::of_time(text, times) {
-            Ok(times) => Schedule::Table(times),
-            Err(message) => fault("expression", message),
-        };
-    }
-    match (boundary.ramp, &boundary.table) {
-        (Some(ramp), _) => Schedule::Ramp(ramp),
-        (None, Some(table)) => Schedule::Table(table.clone()),
-        (None, None) => Schedule::Constant,
-    }
 }
 
 /// The table of a file: times, s, and factors.

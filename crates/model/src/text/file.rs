@@ -6,6 +6,7 @@ mod joint_set;
 mod boundary;
 mod coming;
 mod condition;
+mod fluid;
 mod grains;
 mod ground;
 mod material;
@@ -29,6 +30,7 @@ pub use body::{
 pub use boundary::{Boundary, Component, Fixed, Rotation, Side};
 pub use coming::{BoxRegion, SphereInsertion, SphereRemoval};
 pub use condition::{Servo, Until};
+pub use fluid::{ConnectionWord, Fluid, Injection, SchemeWord, WetFromWord};
 pub use grains::{
     ClumpOrientation, ClumpSphere, Domain, DomainAxis, DomainServo, GrainRadius, GrainRegion, Grains,
     NormalRadius, OutsideWord, RoundRegion, SphereLaw, SphereOptions, Wall, WallBox, WallCircle, WallCone,
@@ -93,6 +95,12 @@ pub struct ModelFile {
     /// Supports, motions and loads of the bodies.
     #[serde(default)]
     pub boundary: Vec<Boundary>,
+    /// Fluid in holes, joints and cracks. Default: none.
+    #[serde(default)]
+    pub fluid: Option<Fluid>,
+    /// Places where the fluid enters.
+    #[serde(default)]
+    pub injection: Vec<Injection>,
     /// Parts of the run, one after the other. Default: the run is one.
     #[serde(default)]
     pub stage: Vec<Stage>,
@@ -124,7 +132,7 @@ impl ModelFile {
     }
 
     /// The names of all tables.
-    pub(crate) const TABLES: [&str; 19] = [
+    pub(crate) const TABLES: [&str; 21] = [
         "model",
         "body",
         "grains",
@@ -137,6 +145,8 @@ impl ModelFile {
         "interface",
         "joint_set",
         "boundary",
+        "fluid",
+        "injection",
         "stage",
         "initial",
         "contact",

@@ -14,8 +14,8 @@ use toml::{Table as Toml, Value};
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
 use crate::text::file::{
-    Body, Boundary, Curve, Domain, General, Grains, History, Initial, Interface, JointSet, Material,
-    ModelFile, Output, SHAPES, SphereInsertion, SphereOptions, SphereRemoval, Stage, Wall,
+    Body, Boundary, Curve, Domain, Fluid, General, Grains, History, Initial, Injection, Interface, JointSet,
+    Material, ModelFile, Output, SHAPES, SphereInsertion, SphereOptions, SphereRemoval, Stage, Wall,
 };
 
 /// Represents a name that could not be read. No name in a file can be this: it would have to be written as an
@@ -65,6 +65,7 @@ impl Partial {
             vec![("lines", Value::Array(vec![Value::Array(line)])), ("friction_angle", 0.0.into())]
         });
         reader.list::<Boundary>(&mut root, "boundary", |_| vec![("fixed", "x".into())]);
+        reader.list::<Injection>(&mut root, "injection", |_| vec![("group", "holes".into())]);
         reader.list::<Grains>(&mut root, "grains", |grains| {
             let material = grains.get("material").filter(|name| name.is_str()).cloned();
             vec![("material", material.unwrap_or_else(|| NAMELESS.into()))]
@@ -89,6 +90,7 @@ impl Partial {
         reader.one::<Initial>(&mut root, "initial", &[]);
         reader.one::<ContactOptions>(&mut root, "contact", &[]);
         reader.one::<FractureOptions>(&mut root, "fracture", &[]);
+        reader.one::<Fluid>(&mut root, "fluid", &[]);
         reader.one::<Output>(&mut root, "output", &[]);
         if !root.contains_key("model") {
             root.insert(

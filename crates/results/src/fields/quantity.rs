@@ -34,6 +34,8 @@ pub struct Quantity {
     pub dimensions: Option<usize>,
     /// Whether files for ParaView have it.
     pub in_files: bool,
+    /// Whether only models with a fluid have it.
+    pub of_fluid: bool,
     /// How elements are coloured by it; `None` if they are not.
     pub(crate) shown: Option<Shown>,
     pub(crate) value: Value,

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use fdem_simulation::grains::SphereColumns;
-use fdem_simulation::{ContactForce, Crack, Element, Forces, Mode, Snapshot};
+use fdem_simulation::{ContactForce, Crack, Element, Forces, Mode, Snapshot, WetJoint};
 
 use crate::arrays::each;
 use crate::fields::place::Place;
@@ -42,6 +42,13 @@ pub(crate) trait State {
 
     /// A joint.
     fn joint(&self, joint: usize) -> JointValues;
+
+    /// Largest pressure of the fluid in the joints of an element, Pa; not a number without fluid there.
+    fn fluid_pressure(&self, element: usize) -> f64;
+    /// Whether the model has a fluid.
+    fn has_fluid(&self) -> bool;
+    /// The fluid in a joint; `None` if fluid cannot enter it.
+    fn wet_joint(&self, joint: usize) -> Option<&WetJoint>;
 
     /// Elements on both sides of a contact.
     fn contact_elements(&self, contact: usize) -> [u32; 2];
@@ -92,6 +99,8 @@ pub(crate) struct Instant<'a, const D: usize, const N: usize> {
     contacts: &'a [ContactForce<D>],
     /// Forces of boundaries on nodes; empty where all are 0.
     reactions: &'a [[f64; D]],
+    /// Pressure of the fluid at each element, once it is needed.
+    fluid_pressures: OnceLock<Vec<f64>>,
     /// Numbers of contacts of the spheres, once they are needed.
     coordination: OnceLock<Vec<u32>>,
 }
@@ -104,6 +113,7 @@ impl<'a, const D: usize, const N: usize> Instant<'a, D, N> {
             joints: snapshot.cracks.iter().collect(),
             contacts: &[],
             reactions: &[],
+            fluid_pressures: OnceLock::new(),
             coordination: OnceLock::new(),
         }
     }
@@ -196,6 +206,19 @@ where
         JointValues { elements, damage, mode, opening, sliding, time, measure, open_from_start }
     }
 
+    fn fluid_pressure(&self, element: usize) -> f64 {
+        let pressures = self.fluid_pressures.get_or_init(|| fluid_pressures(self.snapshot));
+        pressures.get(element).copied().unwrap_or(f64::NAN)
+    }
+
+    fn has_fluid(&self) -> bool {
+        self.snapshot.fluid.is_some()
+    }
+
+    fn wet_joint(&self, joint: usize) -> Option<&WetJoint> {
+        self.snapshot.wet_joint(self.joints[joint].elements)
+    }
+
     fn contact_elements(&self, contact: usize) -> [u32; 2] {
         self.contacts[contact].elements
     }
@@ -216,6 +239,22 @@ where
     fn coordination(&self, sphere: usize) -> u32 {
         self.coordination.get_or_init(|| coordination(&self.snapshot.spheres))[sphere]
     }
+}
+
+/// Returns the largest pressure of the fluid at each element, Pa; not a number where there is none. Empty
+/// without a fluid.
+fn fluid_pressures<const D: usize, const N: usize>(snapshot: &Snapshot<D, N>) -> Vec<f64> {
+    let Some(fluid) = &snapshot.fluid else { return Vec::new() };
+    let mut pressures = vec![f64::NAN; snapshot.elements.len()];
+    for wet in fluid.iter().filter(|wet| wet.saturation > 0.0) {
+        for element in wet.elements {
+            if let Some(pressure) = pressures.get_mut(element as usize) {
+                // The greater of a number and not a number is the number.
+                *pressure = pressure.max(wet.pressure);
+            }
+        }
+    }
+    pressures
 }
 
 /// Returns a vector of the plane or of space with three components.

@@ -38,6 +38,7 @@ const OF_ELEMENTS: Quantity = Quantity {
     components: &[],
     dimensions: None,
     in_files: true,
+    of_fluid: false,
     shown: None,
     value: Value::Real(|_, _, _| f64::NAN),
 };
@@ -53,6 +54,9 @@ const OF_NODES: Quantity = Quantity {
 
 /// Entries that the rows of joints share.
 const OF_JOINTS: Quantity = Quantity { place: Place::Joint, ..OF_ELEMENTS };
+
+/// Entries that the rows of fluid in joints share.
+const OF_FLUID: Quantity = Quantity { of_fluid: true, ..OF_JOINTS };
 
 /// Entries that the rows of contacts share.
 const OF_CONTACTS: Quantity = Quantity { place: Place::Contact, ..OF_ELEMENTS };
@@ -206,6 +210,20 @@ pub const QUANTITIES: &[Quantity] = &[
         ..OF_ELEMENTS
     },
     Quantity {
+        key: "fluid_pressure",
+        name: "pressure of the fluid",
+        about: "the largest pressure of the fluid in the cracks of the element; not a number without fluid \
+                there",
+        unit: "Pa",
+        span: Span::Any,
+        of_fluid: true,
+        // Joints have it.
+        in_files: false,
+        shown: Some(Shown::Scale { ramp: &SEA, ends: Ends::FromZero, column: None }),
+        value: Value::Real(|state, element, _| state.fluid_pressure(element)),
+        ..OF_ELEMENTS
+    },
+    Quantity {
         key: "body",
         name: "body",
         about: "number of the body",
@@ -318,6 +336,31 @@ pub const QUANTITIES: &[Quantity] = &[
         components: &COUPLE,
         value: Value::Whole(|state, joint, side| state.joint(joint).elements[side].into()),
         ..OF_JOINTS
+    },
+    Quantity {
+        key: "fluid_pressure",
+        name: "pressure of the fluid",
+        about: "the pressure of the fluid in it; not a number where fluid cannot enter",
+        unit: "Pa",
+        span: Span::Any,
+        value: Value::Real(|state, joint, _| state.wet_joint(joint).map_or(f64::NAN, |wet| wet.pressure)),
+        ..OF_FLUID
+    },
+    Quantity {
+        key: "aperture",
+        name: "hydraulic aperture",
+        about: "the aperture through which the fluid flows; not a number where fluid cannot enter",
+        unit: "m",
+        value: Value::Real(|state, joint, _| state.wet_joint(joint).map_or(f64::NAN, |wet| wet.aperture)),
+        ..OF_FLUID
+    },
+    Quantity {
+        key: "saturation",
+        name: "saturation",
+        about: "the part of it that is full of fluid; not a number where fluid cannot enter",
+        span: Span::Between(0.0, 1.0),
+        value: Value::Real(|state, joint, _| state.wet_joint(joint).map_or(f64::NAN, |wet| wet.saturation)),
+        ..OF_FLUID
     },
     Quantity {
         key: "force",
@@ -553,7 +596,7 @@ pub const QUANTITIES: &[Quantity] = &[
 ];
 
 /// Keys of the fields by which elements and spheres are coloured, in the order of menus and lists.
-pub(crate) const SHOWN: [&str; 16] = [
+pub(crate) const SHOWN: [&str; 17] = [
     "max_principal",
     "min_principal",
     "von_mises",
@@ -562,6 +605,7 @@ pub(crate) const SHOWN: [&str; 16] = [
     "velocity",
     "displacement",
     "damage",
+    "fluid_pressure",
     "body",
     "material",
     "spin",

@@ -114,7 +114,10 @@ impl RunPage<'_> {
                 "title" => escape(self.title),
                 "counts" => escape(&self.counts),
                 "picture" => picture(self.preview.as_deref(), self.title, &self.counts),
-                "fields" => options(self.field, self.numbered),
+                "fields" => {
+                    let fields = self.ranges.iter().map(|(field, _)| field.quantity());
+                    options(self.field, fields.chain(self.numbered.iter().copied()))
+                }
                 "last" => self.count.saturating_sub(1).to_string(),
                 "notes" => self.notes.clone(),
                 "facts" => rows(self.facts),
@@ -174,9 +177,17 @@ fn about_field(field: Field, Range { low, high }: Range) -> Value {
     })
 }
 
-/// Returns the fields of elements, in the order of menus.
-fn of_elements() -> impl Iterator<Item = Field> {
-    Field::ALL.into_iter().filter(|field| field.is_of_elements())
+/// Returns the fields of elements, in the order of menus: those of a fluid only if a frame has values of
+/// them, or if they are the `selected` one. `scales`: those of each frame.
+fn of_elements<'a>(
+    selected: Field,
+    scales: impl Iterator<Item = &'a [Scale; SCALES.len()]> + Clone,
+) -> impl Iterator<Item = Field> {
+    let has = move |field: Field| {
+        let values = |scales: &[Scale; SCALES.len()]| field.scale().is_some_and(|k| scales[k] != Scale::NONE);
+        !field.quantity().of_fluid || field == selected || scales.clone().any(values)
+    };
+    Field::ALL.into_iter().filter(move |&field| field.is_of_elements() && has(field))
 }
 
 /// Returns the picture for browsers that cannot show the view; empty if the page has none.
@@ -187,9 +198,9 @@ fn picture(preview: Option<&[u8]>, title: &str, counts: &str) -> String {
     })
 }
 
-fn options(selected: Field, numbered: &[&'static Quantity]) -> String {
+fn options(selected: Field, quantities: impl Iterator<Item = &'static Quantity>) -> String {
     let mut options = String::new();
-    for Quantity { key, name, .. } in of_elements().map(Field::quantity).chain(numbered.iter().copied()) {
+    for Quantity { key, name, .. } in quantities {
         let selected = if *key == selected.key() { " selected" } else { "" };
         // Writing to a string does not fail.
         let _ = write!(options, "<option value=\"{key}\"{selected}>{name}</option>");

@@ -3,7 +3,7 @@
 use fdem_io::{Table, Values};
 
 use crate::fields::place::Place;
-use crate::fields::quantity::Value;
+use crate::fields::quantity::{Quantity, Value};
 use crate::fields::state::State;
 use crate::fields::table::QUANTITIES;
 
@@ -24,7 +24,8 @@ pub(crate) fn with_fields_of<'a, const D: usize>(
     state: &'a dyn State,
     owner: &'a dyn Fn(usize) -> usize,
 ) -> Table<'a> {
-    let rows = QUANTITIES.iter().filter(|row| row.in_files && row.place == place && row.exists_in(D));
+    let has = |row: &&Quantity| row.in_files && row.exists_in(D) && (!row.of_fluid || state.has_fluid());
+    let rows = QUANTITIES.iter().filter(|row| row.place == place).filter(has);
     rows.fold(table, |table, row| {
         let width = row.width();
         let values = match row.value {

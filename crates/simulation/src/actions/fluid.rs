@@ -295,6 +295,24 @@ impl<const D: usize> FluidAction<D> {
         }
     }
 
+    /// The places of the cells and sources that an error names by their keys.
+    fn places_in_words(&self, error: &FluidError, options: &FluidOptions<D>) -> String {
+        let word = |(what, key): (&'static str, u64)| {
+            if what == "source" {
+                let source = options.sources.get(usize::try_from(key).ok()?)?;
+                Some(format!("; source {key} is \"{}\"", source.name))
+            } else {
+                let place = self.cells.binary_search_by_key(&key, FluidCell::key).ok()?;
+                let corners = self.shapes.get(place)?.corners;
+                let middle: Point<D> = std::array::from_fn(|axis| {
+                    corners.iter().map(|corner| corner[axis]).sum::<f64>() / D as f64
+                });
+                Some(format!("; cell {key} is near {middle:?} m"))
+            }
+        };
+        error.places().into_iter().filter_map(word).collect()
+    }
+
     /// A network of these cells, with the state that was saved, if there is one.
     fn start<const N: usize>(
         &mut self,
@@ -379,7 +397,8 @@ where
         self.locate(acting.scene.topology);
         if self.left == 0 {
             if let Err(error) = self.flow(options, &acting.scene, acting.peers) {
-                acting.fail(Stop::Fluid(error));
+                let places = self.places_in_words(&error, options);
+                acting.fail(Stop::Fluid(format!("{error}{places}")));
                 return;
             }
             self.left = options.steps;

@@ -21,7 +21,8 @@ pub struct FluidOptions<const D: usize = 2> {
     pub steps: u32,
     /// Law of the aperture of joints that belong to no set, such as new cracks.
     pub aperture: ApertureLaw,
-    /// The same for each joint set; empty if all sets have that of new cracks.
+    /// The same for each joint set; empty if all sets have that of new cracks. Fluid can enter a set with an
+    /// initial aperture from the beginning.
     pub set_apertures: Vec<ApertureLaw>,
     /// Carter's coefficient of leak-off through one face of a joint, m/√s.
     pub leak_off: f64,

@@ -425,7 +425,10 @@ where
         };
         let others = (1..self.communicator.size()).map(|rank| value_of(&self.communicator.receive(rank)));
         let of_spheres = (self.run.spheres_now(), self.run.actions.spheres.save_with(motion));
-        Some(Gathered::of(&self.frame, carried, std::iter::once(own).chain(others), fragments, of_spheres))
+        let parts = std::iter::once(own).chain(others);
+        let gathered = Gathered::of(&self.frame, carried, parts, fragments, of_spheres);
+        // All ranks have all of the fluid.
+        Some(gathered.with_fluid(self.run.wet_joints()))
     }
 
     /// The model without its mesh and without the nodes and facets on which boundaries act.

@@ -16,7 +16,7 @@ use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::simulation::saved::State;
 use crate::simulation::snapshots::{cracks, intact};
-use crate::snapshot::{Crack, Snapshot};
+use crate::snapshot::{Crack, Snapshot, WetJoint};
 use crate::solid::Node;
 use crate::topology::NONE;
 use crate::vector::{Matrix, Point, plus};
@@ -137,6 +137,7 @@ pub struct Gathered<const D: usize = 2, const N: usize = 3> {
     forces: OwnForces<D>,
     spheres: SphereColumns,
     saved_spheres: Option<SavedSpheres<D>>,
+    fluid: Option<Vec<WetJoint>>,
 }
 
 impl<const D: usize, const N: usize> Gathered<D, N>
@@ -172,10 +173,16 @@ where
             forces: OwnForces::default(),
             spheres,
             saved_spheres,
+            fluid: None,
         };
         all.for_each(|own| whole.add(own));
         whole.put_in_order();
         whole
+    }
+
+    /// The same with the joints that fluid can enter.
+    pub(super) fn with_fluid(self, fluid: Option<Vec<WetJoint>>) -> Self {
+        Self { fluid, ..self }
     }
 
     /// Adds the part of a rank. Its elements name nodes by their codes.
@@ -265,6 +272,7 @@ where
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
             spheres: self.spheres.clone(),
+            fluid: self.fluid.clone(),
         }
     }
 

@@ -1,7 +1,8 @@
 //! The snapshot of a run, its forces and its cracks, for results.
 
-use fdem_grains::{GrainRun, SphereColumns};
 use std::collections::BTreeMap;
+
+use fdem_grains::{GrainRun, SphereColumns};
 
 use crate::compiled::compiled;
 use crate::forces::{ContactForce, Forces, OwnForces};
@@ -9,7 +10,7 @@ use crate::joints::saved::JointView;
 use crate::joints::{Break, Joint};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
-use crate::snapshot::{Crack, Mode, Snapshot};
+use crate::snapshot::{Crack, Mode, Snapshot, WetJoint};
 use crate::sum::Sum;
 use crate::vector::{Point, add, plus};
 
@@ -63,7 +64,21 @@ where
             strengths: self.model.materials.iter().map(|material| material.strength).collect(),
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
             spheres: self.spheres_now(),
+            fluid: self.wet_joints(),
         }
+    }
+
+    /// The joints that fluid can enter now, by ascending elements; `None` without a fluid.
+    pub(crate) fn wet_joints(&self) -> Option<Vec<WetJoint>> {
+        let network = self.fluid()?;
+        let columns = [network.pressures(), network.apertures(), network.saturations()];
+        let of = |(cell, [a, b]): (usize, [u32; 2])| {
+            let [pressure, aperture, saturation] = columns.each_ref().map(|column| column[cell]);
+            WetJoint { elements: [a.min(b), a.max(b)], pressure, aperture, saturation }
+        };
+        let mut wet: Vec<WetJoint> = self.fluid_joints().into_iter().enumerate().map(of).collect();
+        wet.sort_unstable_by_key(|of| of.elements);
+        Some(wet)
     }
 
     /// Total lengths of joints that broke by opening, by sliding, and by both, m. Joints of sets that are

@@ -155,6 +155,8 @@ fn points<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<Mode
         | Probe::ForceOfSpheres(_)
         | Probe::Reaction(_)
         | Probe::Cavity(_)
+        | Probe::Fluid
+        | Probe::Injection(_)
         | Probe::JointSet(_)
         | Probe::RigidBody(_)
         | Probe::Wall { .. }

@@ -157,4 +157,26 @@ pub struct JointSet {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa/m"))]
     pub shear_stiffness: Option<f64>,
+    /// Hydraulic aperture of closed joints without compression, m: fluid can enter a set with an aperture
+    /// from the beginning. Default: that of `[fluid]`.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "m"))]
+    pub aperture: Option<f64>,
+    /// Smallest hydraulic aperture, m. Default: that of `[fluid]`.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub residual_aperture: Option<f64>,
+    /// Largest hydraulic aperture, m. Default: that of `[fluid]`.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub max_aperture: Option<f64>,
+    /// Compression at which closed joints have a tenth of their `aperture`, Pa (Barton and Bandis). Default:
+    /// that of `[fluid]`.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
+    pub reference_stress: Option<f64>,
+    /// Factor of the opening in the hydraulic aperture, below 1 for rough walls. Default: that of `[fluid]`.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
+    pub roughness_factor: Option<f64>,
 }

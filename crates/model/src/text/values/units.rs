@@ -45,7 +45,7 @@ impl Dimension {
 }
 
 /// Dimensions that have a name.
-const NAMES: [(&str, [i32; 4]); 19] = [
+const NAMES: [(&str, [i32; 4]); 21] = [
     ("a number without a unit", [0, 0, 0, 0]),
     ("a mass", [1, 0, 0, 0]),
     ("a length", [0, 1, 0, 0]),
@@ -63,6 +63,8 @@ const NAMES: [(&str, [i32; 4]); 19] = [
     ("an energy", [1, 2, -2, 0]),
     ("an energy per area", [1, 0, -2, 0]),
     ("a power", [1, 2, -3, 0]),
+    ("a viscosity", [1, -1, -1, 0]),
+    ("a volume flow", [0, 3, -1, 0]),
     ("a frequency", [0, 0, -1, 0]),
     ("an angular velocity", [0, 0, -1, 1]),
 ];
@@ -107,7 +109,7 @@ pub(crate) struct Unit {
 /// The International System of Units, 9th edition (2019); pound-force and inch: B.N. Taylor, A. Thompson,
 /// "The International System of Units", NIST SP 330 (2008), and A. Thompson, B.N. Taylor, NIST SP 811 (2008),
 /// appendix B.
-const UNITS: [(&str, f64, i32, [i32; 4]); 42] = [
+const UNITS: [(&str, f64, i32, [i32; 4]); 43] = [
     ("m", 1.0, 0, [0, 1, 0, 0]),
     ("km", 1.0, 3, [0, 1, 0, 0]),
     ("dm", 1.0, -1, [0, 1, 0, 0]),
@@ -136,6 +138,7 @@ const UNITS: [(&str, f64, i32, [i32; 4]); 42] = [
     ("bar", 1.0, 5, [1, -1, -2, 0]),
     ("psi", 6.894_757_293_168_361, 3, [1, -1, -2, 0]),
     ("ksi", 6.894_757_293_168_361, 6, [1, -1, -2, 0]),
+    ("cP", 1.0, -3, [1, -1, -1, 0]),
     ("J", 1.0, 0, [1, 2, -2, 0]),
     ("kJ", 1.0, 3, [1, 2, -2, 0]),
     ("MJ", 1.0, 6, [1, 2, -2, 0]),

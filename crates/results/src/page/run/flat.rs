@@ -88,7 +88,8 @@ impl Report<'_> {
             self.frames[place].deflated.len() + self.frames[place].grains.deflated.len()
         });
         let view = FrameView::of(self.frames);
-        let ranges = of_elements().map(|field| (field, Range::of(self.frames, field))).collect();
+        let fields = of_elements(self.field, self.frames.iter().map(|frame| &frame.scales));
+        let ranges = fields.map(|field| (field, Range::of(self.frames, field))).collect();
         let preview = self.frames.last().map(|last| {
             let (field, range) = (self.field, Range::of(self.frames, self.field));
             Pictures { title: self.title, field, range, view }.png(last, None)

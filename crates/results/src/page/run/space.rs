@@ -107,6 +107,7 @@ impl SpaceReport<'_> {
             });
         }
         let kept = self.kept();
+        let fields = of_elements(self.field, self.frames.iter().map(|frame| &frame.scales));
         let is_fragment = |row: &&Quantity| row.place == Place::Element && row.key == "fragment";
         let fragment: Vec<&Quantity> = QUANTITIES.iter().filter(is_fragment).collect();
         let (mut frames, mut rows) = (String::new(), String::new());
@@ -129,7 +130,7 @@ impl SpaceReport<'_> {
             plots: self.plots,
             names: self.names,
             field: self.field,
-            ranges: of_elements().map(|field| (field, Range::of_space(self.frames, field))).collect(),
+            ranges: fields.map(|field| (field, Range::of_space(self.frames, field))).collect(),
             numbered: &fragment,
             preview: preview.map(<[u8]>::to_vec),
             notes: thinning(self.frames.len(), &kept.places)

@@ -132,9 +132,14 @@ where
 {
     let (joints, topology) = (scene.joints(), scene.topology);
     let adaptive = scene.model.fracture.insertion == Insertion::Adaptive;
+    let conducts = |set: u32| options.set_apertures.get(set as usize).is_some_and(|law| law.initial > 0.0);
     let is_wet = |joint: &&Joint<D>| {
-        let softens = joint.softens < f64::INFINITY || adaptive && joints.set(joint.facet).is_none();
-        joint.open_from_start || !joint.holds() || options.wet_from == WetFrom::Insertion && softens
+        let set = joints.set(joint.facet);
+        let softens = joint.softens < f64::INFINITY || adaptive && set.is_none();
+        set.is_some_and(conducts)
+            || joint.open_from_start
+            || !joint.holds()
+            || options.wet_from == WetFrom::Insertion && softens
     };
     let cell = |joint: &Joint<D>| {
         let sides = topology.facets[joint.facet as usize].corners;
