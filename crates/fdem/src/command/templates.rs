@@ -29,7 +29,7 @@ macro_rules! template {
 }
 
 /// All templates: two dimensions first, then three.
-pub(crate) const TEMPLATES: [Template; 32] = [
+pub(crate) const TEMPLATES: [Template; 33] = [
     Template { name: "starter", text: STARTER, file: None },
     template!("bar_impact"),
     template!("bedded_rock"),
@@ -38,6 +38,7 @@ pub(crate) const TEMPLATES: [Template; 32] = [
     template!("compression"),
     template!("direct_shear"),
     template!("falling_blocks"),
+    template!("fluid_borehole"),
     template!("fragment_heap"),
     template!("hydraulic_fracture"),
     template!("jaw_crusher"),
