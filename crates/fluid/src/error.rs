@@ -124,7 +124,9 @@ impl FluidError {
             Self::NoPlace { source } | Self::Unconnected { source } => vec![("source", source)],
             Self::SharedCell { cell, sources: [a, b] } => vec![("cell", cell), ("source", a), ("source", b)],
             Self::SharedCavity { sources: [a, b] } => vec![("source", a), ("source", b)],
-            Self::OutOfRange { .. } | Self::Length { .. } | Self::State(_) => Vec::new(),
+            Self::OutOfRange { .. } | Self::Length { .. } | Self::SharedVertex { .. } | Self::State(_) => {
+                Vec::new()
+            }
         }
     }
 }

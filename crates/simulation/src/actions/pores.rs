@@ -229,7 +229,7 @@ where
         let before = match self.flow(options, fluid, &acting.scene) {
             Ok(before) => before,
             Err(error) => {
-                acting.fail(Stop::Fluid(error));
+                acting.fail(Stop::Fluid(error.to_string()));
                 return;
             }
         };
