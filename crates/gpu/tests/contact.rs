@@ -70,11 +70,9 @@ fn case<const D: usize, const N: usize>(kind: u64, random: &mut Random) -> Conta
             move_by(&mut other, std::array::from_fn(|axis| centroid[axis] - place[axis] + off));
         }
         // Two of one shape, and two that share a facet.
-        2 if kind % 5 == 0 => other = one,
+        2 if kind.is_multiple_of(5) => other = one,
         2 if kind % 5 == 1 => {
-            for corner in 0..D {
-                other[corner] = one[corner];
-            }
+            other[..D].copy_from_slice(&one[..D]);
             if size(&other) < 0.0 {
                 other.swap(0, 1);
             }

@@ -441,6 +441,24 @@ fn tetrahedra_that_meet_have_the_state_of_the_processor() {
     contacts_are_those_of_the_processor::<3, 4>(4, 40);
 }
 
+/// Bodies that sink deep into each other, because their contacts are soft.
+#[test]
+fn the_first_deep_overlap_is_that_of_the_processor() {
+    let mut model = meeting::<2, 3>(8);
+    model.contact.penalty = 1e-3;
+    let mut expected = Simulation::new(model.clone(), 1).unwrap();
+    let mut run = Simulation::new(model, 1).unwrap();
+    put_on(&mut run, HostBuild::Descending).unwrap();
+    let mut found = Vec::new();
+    for _ in 0..15 {
+        run.advance(4).unwrap();
+        expected.advance(4).unwrap();
+        assert_eq!(run.penetrated(), expected.penetrated());
+        found.push(expected.penetrated());
+    }
+    assert!(found.contains(&None) && found.iter().flatten().count() > 2, "{found:?}");
+}
+
 /// Runs whose bodies touch go to a device and back, and to another one.
 fn contacts_go_to_a_device_and_back<const D: usize, const N: usize>(mut model: Model<D, N>, steps: u64)
 where
@@ -487,8 +505,8 @@ fn steps_in_contact_copy_no_columns() {
     run.advance(60).unwrap();
     let copied = device.1.load(Ordering::Relaxed) - before;
     let searched = run.counts().detections - detections;
-    // The sums of a step have 15 kB, nodes and couples of a search 80 kB, all columns 250 kB: for the energies
-    // of the last step, and once it is done.
+    // The sums of a step have 15 kB, nodes and couples of a search 80 kB, all columns 250 kB: for the
+    // energies of the last step, and once it is done.
     assert!(copied < 60 * 60_000, "{copied} bytes, {searched} detections");
     assert!(run.counts().contacts > 10, "{:?}", run.counts());
 }
