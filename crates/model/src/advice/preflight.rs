@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use fdem_io::numbers::{brief, grouped};
 use fdem_mesh::Quality;
-use fdem_simulation::{CriticalStep, Forecast, Insertion, Model, ModelError, Simulation};
+use fdem_simulation::{CriticalStep, Forecast, Insertion, Model, Simulation};
 use serde::Serialize;
 
 use crate::advice::amounts::{YEAR, duration, size};

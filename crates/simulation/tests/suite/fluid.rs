@@ -153,7 +153,9 @@ fn without_injection_a_run_is_that_without_fluid() {
     };
     let (with, without) = (with(true), with(false));
     assert!(without.counts().broken > 5, "{:?}", without.counts());
-    assert!(with.snapshot() == without.snapshot());
+    let [with_fluid, alone] = [&with, &without].map(Simulation::snapshot);
+    assert!(with_fluid.fluid.is_some() && alone.fluid.is_none());
+    assert!(Snapshot { fluid: None, ..with_fluid } == alone);
     assert_eq!(with.energies(), without.energies());
 }
 
@@ -254,6 +256,41 @@ fn cracked(cell: f64, [open, near, far]: [f64; 3], strength: Option<Strength>, d
         model.add_joints(1, &others);
     }
     model
+}
+
+/// A joint that is whole conducts by the aperture of its set, which stress closes. Its ends part a little while
+/// stress falls: that is no opening.
+#[test]
+fn a_whole_joint_opens_by_the_law_of_its_set_alone() {
+    let strong = Strength { tensile: 50e6, cohesion: 100e6, energy_i: 1e4, energy_ii: 1e5, ..rock() };
+    let mut model = cracked(0.02, [0.02, 0.1, 0.3], Some(strong), 2700.0);
+    model.stresses = vec![[[0.0, 0.0], [0.0, -5e6]]; model.mesh.elements.len()];
+    let initial = 5e-5;
+    let set = ApertureLaw { initial, reference_stress: Some(1e7), ..narrow() };
+    let fluid = model.fluid.as_mut().expect("a fluid");
+    fluid.set_apertures = vec![narrow(), set];
+    // No pressure opens the notch; the stress falls, because nothing holds the plate.
+    let mut run = Simulation::new(model, 1).expect("a model");
+    let whole = |run: &Simulation| {
+        let network = run.fluid().expect("a fluid");
+        let apertures = network.apertures();
+        let middle = |cell: &[u32; 2]| {
+            let corners = cell.map(|element| run.model().mesh.elements[element as usize]).concat();
+            corners.iter().map(|&node| run.model().mesh.nodes[node as usize][0]).sum::<f64>() / 6.0
+        };
+        let cells = run.fluid_joints();
+        cells.iter().zip(apertures).filter(|(cell, _)| middle(cell) > 0.04).map(|of| of.1).collect::<Vec<_>>()
+    };
+    run.advance(1).expect("a step");
+    let first = whole(&run);
+    assert!(first.len() >= 3, "{first:?}");
+    first.iter().for_each(|a| assert!((a / (initial / 5.5) - 1.0).abs() < 0.01, "{a}"));
+    for _ in 0..20 {
+        run.advance(20).expect("steps");
+        assert!(whole(&run).iter().all(|a| *a <= initial), "{:?}", whole(&run));
+    }
+    assert!(whole(&run).iter().any(|a| *a > 1.1 * initial / 5.5), "{:?}", whole(&run));
+    assert_eq!(run.snapshot().cracks.iter().filter(|crack| !crack.open_from_start).count(), 0);
 }
 
 /// A crack of the length `2 l` under the pressure `p` opens by `4 p √(l² - x²)/E'`: an area of `2 π p l²/E'`.
