@@ -3,7 +3,7 @@
 
 use fdem_io::numbers::brief;
 use fdem_results::History;
-use fdem_simulation::{Material, Probe};
+use fdem_simulation::{Material, Model, Probe};
 use serde_json::{Value, json};
 
 use crate::command::run::engine::Engine;
@@ -50,7 +50,7 @@ impl RunFluid {
             totals: names.zip(measured[0].iter().copied()).collect(),
             injections: injections.map(|(source, values)| (source.name.clone(), state(values))).collect(),
             unit: if D == 2 { "m" } else { "m²" },
-            growth: growth::<D>(history, &prepared.model.materials),
+            growth: growth(history, &prepared.model),
         })
     }
 
@@ -117,8 +117,12 @@ impl RunFluid {
 }
 
 /// Fastest growth of the cracks, m/s, its time, s, and the speed of Rayleigh waves in the slowest rock that
-/// can break, m/s. A crack in the plane has two ends, and one in space is a disc.
-fn growth<const D: usize>(history: &History, materials: &[Material]) -> Option<[f64; 3]> {
+/// can break, m/s, where the mass of the model is scaled as it is in the mean. A crack in the plane has two
+/// ends, and one in space is a disc.
+fn growth<const D: usize, const N: usize>(history: &History, model: &Model<D, N>) -> Option<[f64; 3]>
+where
+    [[f64; D]; N]: Results<D, N>,
+{
     let column = |name: &str| history.column(name).unwrap_or_default();
     let (times, cracks) = (column("time"), column(if D == 2 { "crack_length" } else { "crack_area" }));
     let reach = |cracked: f64| if D == 2 { cracked / 2.0 } else { (cracked / std::f64::consts::PI).sqrt() };
@@ -138,7 +142,10 @@ fn growth<const D: usize>(history: &History, materials: &[Material]) -> Option<[
         // K. F. Graff, Wave Motion in Elastic Solids (1975), p. 326, after Viktorov.
         of.shear_speed() * (0.87 + 1.12 * ratio) / (1.0 + ratio)
     };
-    let breaking = materials.iter().filter(|of| of.strength.is_some());
+    let breaking = model.materials.iter().filter(|of| of.strength.is_some());
     let slowest = breaking.map(rayleigh).reduce(f64::min)?;
-    Some([fastest[0], fastest[1], slowest])
+    let masses = model.true_masses();
+    let scaled: f64 = masses.iter().zip(&model.mass_factors).map(|(mass, factor)| mass * factor).sum();
+    let scale = if model.mass_factors.is_empty() { 1.0 } else { scaled / masses.iter().sum::<f64>() };
+    Some([fastest[0], fastest[1], slowest / scale.sqrt()])
 }
