@@ -45,9 +45,7 @@ use fdem_fluid::{Cell, FlowModel, FluidError, Network, NetworkState, Shape, Sour
 
 use crate::action::{Acting, Action, Applied, Record, Scene, on_corners};
 use crate::actions::cavity::face::Face;
-use crate::actions::fluid::cells::{
-    FluidCell, Located, bonded_of, motion_of, new_cells, sides_of, soften, yields,
-};
+use crate::actions::fluid::cells::{FluidCell, Located, motion_of, new_cells, sides_of, soften, yields};
 use crate::actions::fluid::places::{SourcePlace, places_of};
 use crate::actions::fluid::saved::{SavedCell, SavedFluid, SavedSource, SavedTotals};
 use crate::error::{ModelError, Stop};
@@ -232,16 +230,14 @@ impl<const D: usize> FluidAction<D> {
             network.set_source_volume(key, place.volume)?;
         }
         let located = self.located.as_deref().unwrap_or_default();
-        let parts = all(peers, (motion_of(located, scene), bonded_of(&self.cells, options, scene)));
-        let (parts, bonded): (Vec<_>, Vec<_>) = parts.into_iter().unzip();
-        let sides = with_bonds(sides_of(self.cells.len(), parts), bonded);
+        let sides = sides_of(self.cells.len(), all(peers, motion_of(located, scene)));
         let pressures = network.pressures();
         let before = &network.state().cells;
         let above = |cell: &FluidCell<D>| {
             before.binary_search(&cell.key()).map_or(0.0, |place| pressures[place] - lowest)
         };
-        let shape = |(cell, (sides, bonded)): (&FluidCell<D>, &([_; 2], bool))| {
-            cell.shape::<N>((sides, *bonded), above(cell), options, scene.step)
+        let shape = |(cell, sides): (&FluidCell<D>, &[_; 2])| {
+            cell.shape::<N>(sides, above(cell), options, scene.step)
         };
         self.shapes = self.cells.iter().zip(&sides).map(shape).collect();
         if is_renewed {
@@ -330,18 +326,19 @@ impl<const D: usize> FluidAction<D> {
         self.left = saved.totals.map_or(0, |totals| totals.left);
         self.cells = new_cells(&[], options, scene);
         if saved.totals.is_some() {
-            self.cells.retain(|cell| saved.cells.contains_key(&cell.key()));
+            self.cells.retain_mut(|cell| {
+                let known = saved.cells.get(&cell.key());
+                known.inspect(|of| cell.slack = of.slack).is_some()
+            });
         }
         self.located = None;
         self.locate(scene.topology);
         let located = self.located.as_deref().unwrap_or_default();
-        let bonded = vec![bonded_of(&self.cells, options, scene)];
-        let sides = with_bonds(sides_of(self.cells.len(), vec![motion_of(located, scene)]), bonded);
-        let shape =
-            |(cell, (sides, bonded)): (&FluidCell<D>, &([_; 2], bool))| match saved.cells.get(&cell.key()) {
-                Some(of) => of.shape(),
-                None => cell.shape::<N>((sides, *bonded), 0.0, options, scene.step),
-            };
+        let sides = sides_of(self.cells.len(), vec![motion_of(located, scene)]);
+        let shape = |(cell, sides): (&FluidCell<D>, &[_; 2])| match saved.cells.get(&cell.key()) {
+            Some(of) => of.shape(),
+            None => cell.shape::<N>(sides, 0.0, options, scene.step),
+        };
         self.shapes = self.cells.iter().zip(&sides).map(shape).collect();
         self.measure_holes(scene, &Alone);
         for place in &mut self.places {
@@ -359,15 +356,6 @@ impl<const D: usize> FluidAction<D> {
         network.restore(&NetworkState { time: scene.time, ..network.state().clone() })?;
         Ok(network)
     }
-}
-
-/// Sides of cells, each with whether its joint is whole. `bonded`: places of such cells, of all ranks.
-fn with_bonds<S>(sides: Vec<S>, bonded: Vec<Vec<u32>>) -> Vec<(S, bool)> {
-    let mut all: Vec<(S, bool)> = sides.into_iter().map(|sides| (sides, false)).collect();
-    for place in bonded.into_iter().flatten() {
-        all[place as usize].1 = true;
-    }
-    all
 }
 
 /// The cells, as the network has them.
@@ -438,7 +426,7 @@ where
         for (row, (cell, shape)) in self.cells.iter().zip(&self.shapes).enumerate() {
             let element = scene.topology.element(cell.sides[0] / N as u32);
             if element.is_some_and(|element| scene.solid().share().element(element)) {
-                records.push(Record::new(cell.sides, 0, &SavedCell::of(state, row, shape)));
+                records.push(Record::new(cell.sides, 0, &SavedCell::of(state, row, shape, cell.slack)));
             }
         }
         if scene.counts_common() {

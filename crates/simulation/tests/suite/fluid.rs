@@ -258,10 +258,10 @@ fn cracked(cell: f64, [open, near, far]: [f64; 3], strength: Option<Strength>, d
     model
 }
 
-/// A joint that is whole conducts by the aperture of its set, which stress closes. Its ends part a little while
-/// stress falls: that is no opening.
+/// A joint conducts by the aperture of its set, which stress closes. Its ends part a little while stress
+/// falls: that is no opening.
 #[test]
-fn a_whole_joint_opens_by_the_law_of_its_set_alone() {
+fn a_joint_under_stress_opens_by_the_law_of_its_set_alone() {
     let strong = Strength { tensile: 50e6, cohesion: 100e6, energy_i: 1e4, energy_ii: 1e5, ..rock() };
     let mut model = cracked(0.02, [0.02, 0.1, 0.3], Some(strong), 2700.0);
     model.stresses = vec![[[0.0, 0.0], [0.0, -5e6]]; model.mesh.elements.len()];
@@ -287,7 +287,8 @@ fn a_whole_joint_opens_by_the_law_of_its_set_alone() {
     first.iter().for_each(|a| assert!((a / (initial / 5.5) - 1.0).abs() < 0.01, "{a}"));
     for _ in 0..20 {
         run.advance(20).expect("steps");
-        assert!(whole(&run).iter().all(|a| *a <= initial), "{:?}", whole(&run));
+        let limit = 1.02 * initial; // elastic opening of a whole joint in tension
+        assert!(whole(&run).iter().all(|a| *a <= limit), "{:?}", whole(&run));
     }
     assert!(whole(&run).iter().any(|a| *a > 1.1 * initial / 5.5), "{:?}", whole(&run));
     assert_eq!(run.snapshot().cracks.iter().filter(|crack| !crack.open_from_start).count(), 0);

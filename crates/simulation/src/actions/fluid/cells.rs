@@ -23,9 +23,12 @@ pub(super) struct FluidCell<const D: usize> {
     measure: f64,
     /// Growth of its aperture with the pressure, m/Pa: see the front page of the module.
     softness: f64,
+    /// How far each end parts until its joint is without compression, m: gaps count from the beginning of the
+    /// run, when initial stress presses the joint together.
+    pub(super) slack: [f64; D],
 }
 
-wire!([const D: usize] FluidCell<D> { sides, vertices, set, measure, softness });
+wire!([const D: usize] FluidCell<D> { sides, vertices, set, measure, softness, slack });
 
 /// Corners of both sides of a cell, as they go around side 0; `None` of a side whose element is not here.
 pub(super) type Located<const D: usize> = [Option<[u32; D]>; 2];
@@ -70,11 +73,10 @@ impl<const D: usize> FluidCell<D> {
         })
     }
 
-    /// Its shape. `bonded`: whether its joint is still whole; `above`: its pressure above the lowest one, Pa;
-    /// `step`: of the solid, s.
+    /// Its shape. `above`: its pressure above the lowest one, Pa; `step`: of the solid, s.
     pub(super) fn shape<const N: usize>(
         &self,
-        (sides, bonded): (&[SideMotion<D>; 2], bool),
+        sides: &[SideMotion<D>; 2],
         above: f64,
         options: &FluidOptions<D>,
         step: f64,
@@ -92,8 +94,7 @@ impl<const D: usize> FluidCell<D> {
         for end in 0..D {
             let [gap, rate] = [both(&|side| side.places, end), both(&|side| side.velocities, end)]
                 .map(|[a, b]| dot(minus(b, a), axes.axes[0]));
-            // The ends of a whole joint part a little where stress falls, also while it is compressed.
-            opening += if bonded { 0.0 } else { (gap + ahead * rate).max(0.0) / D as f64 };
+            opening += (gap - self.slack[end] + ahead * rate).max(0.0) / D as f64;
         }
         let compression = if opening == 0.0 { compression_of::<D, N>(sides) } else { 0.0 };
         let is_pressed = compression > 0.0 && self.law(options).reference_stress.is_some();
@@ -151,6 +152,7 @@ where
             set: joints.set(joint.facet).unwrap_or(NONE),
             measure: joint.measure,
             softness: 0.0,
+            slack: joint.ends.map(|end| if joint.holds() { end.origin[0].max(0.0) } else { 0.0 }),
         }
     };
     let is_new = |cell: &FluidCell<D>| known.binary_search_by_key(&cell.key(), FluidCell::key).is_err();
@@ -187,27 +189,6 @@ where
         }
     }
     motion
-}
-
-/// The places of cells here whose joint is whole, and conducts by the aperture of its set alone.
-pub(super) fn bonded_of<const D: usize, const N: usize>(
-    cells: &[FluidCell<D>],
-    options: &FluidOptions<D>,
-    scene: &Scene<'_, D, N>,
-) -> Vec<u32>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    let (joints, topology) = (scene.joints(), scene.topology);
-    let joint = |cell: &FluidCell<D>| {
-        let facet = topology.facet_with(cell.sides[0])?;
-        joints.all.get(joints.of_facet[facet as usize] as usize)
-    };
-    let is_whole =
-        |joint: &Joint<D>| joint.softens == f64::INFINITY && joint.holds() && !joint.open_from_start;
-    let conducts = |cell: &&FluidCell<D>| cell.set != NONE && cell.law(options).initial > 0.0;
-    let cells = (0..).zip(cells).filter(|(_, cell)| conducts(cell));
-    cells.filter(|(_, cell)| joint(cell).is_some_and(is_whole)).map(|(place, _)| place).collect()
 }
 
 /// The motion of both sides of all cells. `parts`: of all ranks.

@@ -42,7 +42,10 @@ impl<const D: usize> SharedFluid<D> {
         left: u32,
         state: &NetworkState,
     ) -> Self {
-        let saved = shapes.iter().enumerate().map(|(row, shape)| SavedCell::of(state, row, shape)).collect();
+        let of = |(row, (cell, shape)): (usize, (&FluidCell<D>, &Shape<D>))| {
+            SavedCell::of(state, row, shape, cell.slack)
+        };
+        let saved = cells.iter().zip(shapes).enumerate().map(of).collect();
         let source = |(key, place): (usize, &SharedPlace<D>)| SavedSource::of(state, key, place.volumes[1]);
         let sources = places.iter().enumerate().map(source).collect();
         Self { cells, saved, sources, totals: SavedTotals::of(state, left), places, left }
@@ -69,9 +72,11 @@ pub(super) struct SavedCell<const D: usize> {
     corners: [[f64; D]; D],
     /// Opening, compression and compliance of its last shape.
     last: [f64; 3],
+    /// See [`FluidCell::slack`].
+    pub(super) slack: [f64; D],
 }
 
-wire!([const D: usize] SavedCell<D> { row, corners, last });
+wire!([const D: usize] SavedCell<D> { row, corners, last, slack });
 
 /// A source.
 #[derive(Clone, Copy, Debug)]
@@ -132,11 +137,12 @@ impl Row {
 
 impl<const D: usize> SavedCell<D> {
     /// A value of which only the size counts.
-    pub(super) const LIKE: Self = Self { row: Row::DRY, corners: [[0.0; D]; D], last: [0.0; 3] };
+    pub(super) const LIKE: Self =
+        Self { row: Row::DRY, corners: [[0.0; D]; D], last: [0.0; 3], slack: [0.0; D] };
 
-    pub(super) fn of(state: &NetworkState, row: usize, shape: &Shape<D>) -> Self {
+    pub(super) fn of(state: &NetworkState, row: usize, shape: &Shape<D>, slack: [f64; D]) -> Self {
         let last = [shape.opening, shape.compression, shape.compliance];
-        Self { row: Row::of(state, row), corners: shape.corners, last }
+        Self { row: Row::of(state, row), corners: shape.corners, last, slack }
     }
 
     /// Shape at the last step of the fluid.
