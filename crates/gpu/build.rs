@@ -1,8 +1,8 @@
 //! Compiles the kernels for the processor, for tests, and takes over compiled kernels that a release ships.
 
-fn main() {
+fn main() -> Result<(), String> {
     println!("cargo::rerun-if-changed=kernels");
-    shipped();
+    shipped()?;
     #[cfg(feature = "host")]
     {
         // Threads in both orders: a phase that reads a number which another thread writes in it has two
@@ -12,18 +12,20 @@ fn main() {
         let fused = std::env::var("CARGO_CFG_TARGET_ARCH").is_ok_and(|name| name == "x86_64");
         host("contracted", if fused { &["-ffp-contract=fast", "-mfma"] } else { &["-ffp-contract=fast"] });
     }
+    Ok(())
 }
 
 /// Puts the file that `FDEM_PTX` names, as the example `ptx` writes it, where `src/cuda.rs` finds it.
-fn shipped() {
+fn shipped() -> Result<(), String> {
     println!("cargo::rerun-if-env-changed=FDEM_PTX");
-    let text = std::env::var("FDEM_PTX").ok().map(|file| {
+    let mut text = String::new();
+    if let Ok(file) = std::env::var("FDEM_PTX") {
         println!("cargo::rerun-if-changed={file}");
-        std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("FDEM_PTX={file}: {error}"))
-    });
-    let out = std::env::var("OUT_DIR").expect("cargo sets it");
-    std::fs::write(std::path::Path::new(&out).join("kernels.ptx"), text.unwrap_or_default())
-        .expect("the folder can be written");
+        text = std::fs::read_to_string(&file).map_err(|error| format!("FDEM_PTX={file}: {error}"))?;
+    }
+    let out = std::env::var("OUT_DIR").map_err(|error| format!("OUT_DIR: {error}"))?;
+    let file = std::path::Path::new(&out).join("kernels.ptx");
+    std::fs::write(&file, text).map_err(|error| format!("{}: {error}", file.display()))
 }
 
 /// Compiles all kernels as a build with this name.

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use fdem_gpu::kernels::Kernel;
 use fdem_gpu::{Device, DeviceSolid, GpuError, Host, HostBuild};
 use fdem_simulation::{
-    Boundary, Change, FractureOptions, Insertion, Load, Material, MaterialLaw, Mesh, Model, Schedule,
-    Simulation, Strength, Target,
+    Bedding, Boundary, Change, FractureOptions, Insertion, Load, Material, MaterialLaw, Mesh, Model,
+    Schedule, Simulation, Strength, Target,
 };
 
 /// The processor, which counts the kernels that it starts, and fails after a number of them.
@@ -155,9 +155,15 @@ fn a_stage_that_no_device_computes_is_an_error() {
     let mut model = ground(false, 0.0);
     model.stresses.clear();
     model.boundaries.clear();
-    model.rigid = vec![0];
+    model.materials[0].law = MaterialLaw::TransverselyIsotropic(Bedding {
+        normal: [0.0, 1.0, 0.0],
+        youngs_modulus: 4e6,
+        poissons_ratio: 0.2,
+        shear_modulus: 1e6,
+        strength: None,
+    });
     let error = run.replace(Simulation::new(model, 1).unwrap()).unwrap_err();
-    assert_eq!(error.to_string(), "a device does not compute rigid bodies");
+    assert_eq!(error.to_string(), "a device does not compute a material with bedding");
     run.advance(3).unwrap();
 }
 

@@ -114,7 +114,7 @@ impl<const D: usize> FluidAction<D> {
     /// The fluid of a rank. `thickness`: of the model, m.
     ///
     /// # Errors
-    /// Those of the network.
+    /// The network refuses them.
     pub(crate) fn of_rank(
         shared: SharedFluid<D>,
         options: &FluidOptions<D>,
@@ -191,12 +191,16 @@ impl<const D: usize> FluidAction<D> {
         for (sides, pressure) in located.iter().zip(network.pressures()) {
             // Both sides list their corners as they go around side 0.
             for (corners, sign) in sides.iter().zip([1.0, -1.0]) {
-                corners.iter().for_each(|corners| press(*corners, sign * pressure));
+                if let Some(corners) = corners {
+                    press(*corners, sign * pressure);
+                }
             }
         }
         for (key, place) in (0..).zip(&self.places).filter(|(_, place)| place.is_hole()) {
             let pressure = network.injection(key).map_or(0.0, |state| state.pressure);
-            place.here.iter().for_each(|corners| press(*corners, pressure));
+            for corners in &place.here {
+                press(*corners, pressure);
+            }
         }
         forces
     }

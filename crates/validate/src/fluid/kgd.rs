@@ -1,4 +1,5 @@
-//! A plane crack that is driven by a constant rate (Khristianovic, Geertsma and de Klerk), along a straight line.
+//! A plane crack that is driven by a constant rate (Khristianovic, Geertsma and de Klerk), along a straight
+//! line.
 //!
 //! Half of a plate, from the source to the right. The crack may grow along y = 0. Its masses are scaled, so
 //! that waves are some 20 times as fast as the crack, and not a million times.

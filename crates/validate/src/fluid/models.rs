@@ -67,14 +67,15 @@ pub(super) fn injected<const D: usize>(
     FluidOptions { aperture, ..FluidOptions::new(FlowModel::new(fluid), vec![source]) }
 }
 
-/// The mean of ratios over the time. A crack grows by whole elements, and its pressure falls with each of them
-/// and rises again.
+/// The mean of ratios over the time. A crack grows by whole elements, and its pressure falls with each of
+/// them and rises again.
 pub(super) fn mean(ratios: &[f64]) -> f64 {
     ratios.iter().sum::<f64>() / ratios.len() as f64
 }
 
 /// The right half of a plate from -`half` to `half` along y, with `rows` rows of elements of the size `cell`
-/// on both sides of the line from the origin to `near`, m. Returns the edges on that line, from left to right.
+/// on both sides of the line from the origin to `near`, m. Returns the edges on that line, from left to
+/// right.
 pub(super) fn line_in_plate(cell: f64, rows: usize, near: f64, half: f64) -> (Mesh, Vec<[u32; 2]>) {
     let across = graded(near, half, (near / cell).round() as usize, 1.15);
     let up = mirrored(&graded(rows as f64 * cell, half, rows, 1.15));

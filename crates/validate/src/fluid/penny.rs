@@ -1,6 +1,7 @@
 //! A round crack that is driven by a constant rate, on a plane.
 //!
-//! A quarter of a block around the source, on both sides of the plane z = 0. Masses are scaled, as in `kgd.rs`.
+//! A quarter of a block around the source, on both sides of the plane z = 0. Masses are scaled, as in
+//! `kgd.rs`.
 
 use std::f64::consts::PI;
 
@@ -40,7 +41,7 @@ struct Pair {
 }
 
 /// Radius, opening at the source, and pressure.
-type Front = [f64; 3];
+type Round = [f64; 3];
 
 /// Size of the elements on the plane, m.
 fn cell_of(size: Size) -> f64 {
@@ -49,7 +50,7 @@ fn cell_of(size: Size) -> f64 {
 
 /// With `K' = 4 √(2/π) K`: `R = 0.8546 (E'² Q² t²/K'²)^(1/5)`, `w0 = 0.6537 (K'⁴ Q t/E'⁴)^(1/5)`,
 /// `p = 0.3004 (K'⁶/(E' Q t))^(1/5)`.
-fn of_toughness_alone(toughness: f64, time: f64) -> Front {
+fn of_toughness_alone(toughness: f64, time: f64) -> Round {
     let k = 4.0 * (2.0 / PI).sqrt() * toughness;
     let volume = RATE * time;
     [
@@ -61,7 +62,7 @@ fn of_toughness_alone(toughness: f64, time: f64) -> Front {
 
 /// With `μ' = 12 μ`: `R = 0.6955 (E' Q³ t⁴/μ')^(1/9)`, `w0 = 1.1977 (μ'² Q³ t/E'²)^(1/9)`. The pressure at
 /// `x = r/R` is `(E'² μ'/t)^(1/3)` times what [`profile`] says: infinite at the source.
-fn of_viscosity_alone(viscosity: f64, time: f64) -> Front {
+fn of_viscosity_alone(viscosity: f64, time: f64) -> Round {
     let mu = 12.0 * viscosity;
     [
         0.6955 * (MODULUS * RATE.powi(3) * time.powi(4) / mu).powf(1.0 / 9.0),
@@ -89,7 +90,7 @@ pub(crate) fn viscosity(size: Size) -> Result<Vec<Outcome>, String> {
 fn driven(
     pair: &Pair,
     size: Size,
-    theory: &dyn Fn(f64) -> Front,
+    theory: &dyn Fn(f64) -> Round,
     profile: &dyn Fn(f64) -> f64,
 ) -> Result<Vec<Outcome>, String> {
     let mut run = start(block(pair, cell_of(size)))?;
@@ -127,7 +128,7 @@ fn driven(
 
 /// The radius of the circle with the area that the shares of dissipated fracture energy make up. The pressure
 /// is the mean from 0.3 to 0.7 of the `radius` of the theory, of each over the value of `profile`.
-fn front(run: &Run, radius: f64, profile: &dyn Fn(f64) -> f64) -> Result<Front, String> {
+fn front(run: &Run, radius: f64, profile: &dyn Fn(f64) -> f64) -> Result<Round, String> {
     let cracks = run.snapshot().cracks;
     let area =
         cracks.iter().map(|crack| crack.measure * if crack.open_from_start { 1.0 } else { crack.dissipated });

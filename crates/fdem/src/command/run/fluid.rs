@@ -1,6 +1,8 @@
 //! The fluid of a run: its volumes and pressures at the end, in the summary and in `run.json`, and cracks
 //! that grew too fast for a quasi-static fracture.
 
+use std::fmt::Write;
+
 use fdem_io::numbers::brief;
 use fdem_results::History;
 use fdem_simulation::{Material, Model, Probe};
@@ -86,11 +88,12 @@ impl RunFluid {
             brief(measure.unwrap_or(f64::NAN)),
             self.unit
         );
+        // Writing into a string cannot fail.
         if missed > 0.0 {
-            text += &format!(", {} m³ that could not be taken out", brief(missed));
+            let _ = write!(text, ", {} m³ that could not be taken out", brief(missed));
         }
         for (name, [pressure, ..]) in &self.injections {
-            text += &format!("; {name}: {} Pa", brief(*pressure));
+            let _ = write!(text, "; {name}: {} Pa", brief(*pressure));
         }
         text
     }

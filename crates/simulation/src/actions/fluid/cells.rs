@@ -211,8 +211,8 @@ pub(super) fn sides_of<const D: usize>(
 }
 
 /// For corners of cells that have parted and that this rank owns: their number, as 2 D × cell + 2 × end +
-/// side, and the area on which fluid acts around the node, over its mass, m²/kg. `walls`: corners of the walls
-/// of holes.
+/// side, and the area on which fluid acts around the node, over its mass, m²/kg. `walls`: corners of the
+/// walls of holes.
 pub(super) fn yields<'a, const D: usize, const N: usize>(
     cells: &[FluidCell<D>],
     located: &[Located<D>],

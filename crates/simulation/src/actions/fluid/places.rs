@@ -68,7 +68,7 @@ impl<const D: usize> SourcePlace<D> {
         cells.iter().filter(is_of).map(FluidCell::key).collect()
     }
 
-    /// What other ranks need.
+    /// The place for other ranks.
     pub(super) fn shared(&self) -> SharedPlace<D> {
         SharedPlace {
             name: self.name.clone(),
