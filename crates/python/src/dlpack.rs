@@ -190,7 +190,7 @@ pub(crate) fn capsule<K: Send + 'static>(
             context: std::ptr::null_mut(),
             deleter: Some(delete::<K>),
         },
-        shape: [rows as i64, 2],
+        shape: [rows.cast_signed() as i64, 2],
         _keeper: keeper,
     });
     let given = Box::into_raw(given);

@@ -380,9 +380,13 @@ def test_results_of_a_folder(torn):
     np.testing.assert_array_equal(last.nodes["velocity"][:, :2], run.velocities)
     np.testing.assert_array_equal(last.cells["stress"], run.stress)
     np.testing.assert_array_equal(last.cells["fragment"], run.fragments)
-    # The files have the fields of the table, and pictures two more that are parts of one.
+    # The files have the fields of the table, but for that of fluids; pictures have two more that are parts of one.
     assert set(last.nodes) == {field.key for field in fdem.fields("node")}
-    assert set(last.cells) == {field.key for field in fdem.fields("element")} - {"max_principal", "min_principal"}
+    assert set(last.cells) == {field.key for field in fdem.fields("element")} - {
+        "max_principal",
+        "min_principal",
+        "fluid_pressure",
+    }
     np.testing.assert_array_equal(last.cracks["elements"], run.cracks["elements"])
     np.testing.assert_array_equal(last.contacts["elements"].reshape(-1, 2), run.contacts["elements"])
     assert found.frames[1:].times.tolist() == found.frames.times[1:].tolist()

@@ -1,5 +1,7 @@
 //! Fluid in cracks: its values in the model, the places of injections, stages, and refusals.
 
+use std::fmt::Write;
+
 use fdem_model::{AnyPrepared, Entered, Prepared, prepare_any};
 use fdem_simulation::fluid::{Connection, Drive, Scheme, StateEquation};
 use fdem_simulation::{Schedule, WetFrom};
@@ -171,7 +173,7 @@ group = "outer"
 fn hollow_cube() -> String {
     let mut text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n64\n".to_owned();
     for node in 0..64 {
-        text += &format!("{} {} {} {}\n", node + 1, node % 4, node / 4 % 4, node / 16);
+        writeln!(text, "{} {} {} {}", node + 1, node % 4, node / 4 % 4, node / 16).unwrap();
     }
     let mut elements = Vec::new();
     for cell in (0..27).filter(|cell| *cell != 13) {
@@ -181,9 +183,9 @@ fn hollow_cube() -> String {
             elements.push([first, first + a, first + a + b, first + a + b + c]);
         }
     }
-    text += &format!("$EndNodes\n$Elements\n{}\n", elements.len());
+    writeln!(text, "$EndNodes\n$Elements\n{}", elements.len()).unwrap();
     for (number, [a, b, c, d]) in elements.into_iter().enumerate() {
-        text += &format!("{} 4 2 1 1 {a} {b} {c} {d}\n", number + 1);
+        writeln!(text, "{} 4 2 1 1 {a} {b} {c} {d}", number + 1).unwrap();
     }
     text + "$EndElements\n"
 }
