@@ -27,7 +27,7 @@ const HALF: f64 = 56.0;
 const SAMPLES: u32 = 31;
 
 /// A fluid and a rock.
-struct Pair {
+struct PennyCrack {
     /// Pa √m.
     toughness: f64,
     /// Length of the zone of softening, `K²/f²`, m.
@@ -61,7 +61,7 @@ fn of_toughness_alone(toughness: f64, time: f64) -> Round {
 }
 
 /// With `μ' = 12 μ`: `R = 0.6955 (E' Q³ t⁴/μ')^(1/9)`, `w0 = 1.1977 (μ'² Q³ t/E'²)^(1/9)`. The pressure at
-/// `x = r/R` is `(E'² μ'/t)^(1/3)` times what [`profile`] says: infinite at the source.
+/// `x = r/R` is `(E'² μ'/t)^(1/3)` times the value of [`profile`]: infinite at the source.
 fn of_viscosity_alone(viscosity: f64, time: f64) -> Round {
     let mu = 12.0 * viscosity;
     [
@@ -77,18 +77,18 @@ fn profile(x: f64) -> f64 {
 
 pub(crate) fn toughness(size: Size) -> Result<Vec<Outcome>, String> {
     let cell = cell_of(size);
-    let pair = Pair { toughness: 3e6, zone: 3.0 * cell, viscosity: 1e-6, lowest: 0.0, near: 14.4 };
+    let pair = PennyCrack { toughness: 3e6, zone: 3.0 * cell, viscosity: 1e-6, lowest: 0.0, near: 14.4 };
     driven(&pair, size, &|time| of_toughness_alone(pair.toughness, time), &|_| 1.0)
 }
 
 pub(crate) fn viscosity(size: Size) -> Result<Vec<Outcome>, String> {
     let cell = cell_of(size);
-    let pair = Pair { toughness: 6e5, zone: 4.0 * cell, viscosity: 1e-3, lowest: -1.1e6, near: 14.4 };
+    let pair = PennyCrack { toughness: 6e5, zone: 4.0 * cell, viscosity: 1e-3, lowest: -1.1e6, near: 14.4 };
     driven(&pair, size, &|time| of_viscosity_alone(pair.viscosity, time), &profile)
 }
 
 fn driven(
-    pair: &Pair,
+    pair: &PennyCrack,
     size: Size,
     theory: &dyn Fn(f64) -> Round,
     profile: &dyn Fn(f64) -> f64,
@@ -152,7 +152,7 @@ fn front(run: &Run, radius: f64, profile: &dyn Fn(f64) -> f64) -> Result<Round, 
     Ok([(4.0 * area.sum::<f64>() / PI).sqrt(), nearest.opening, sum / weight])
 }
 
-fn block(pair: &Pair, cell: f64) -> Model<3, 4> {
+fn block(pair: &PennyCrack, cell: f64) -> Model<3, 4> {
     let across = graded(pair.near, HALF, (pair.near / cell).round() as usize, 1.35);
     let up = mirrored(&graded(2.0 * cell, HALF, 2, 1.35));
     let mesh = lattice(&[across.clone(), across, up]);
