@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use fdem_gpu::kernels::Kernel;
 use fdem_gpu::{Device, DeviceSolid, GpuError, Host, HostBuild, memory_of};
 use fdem_simulation::{
-    Element, FractureOptions, Insertion, Material, MaterialLaw, Mesh, Model, Simulation, Strength,
+    Bedding, Element, FractureOptions, Insertion, Material, MaterialLaw, Mesh, Model, Simulation, Strength,
 };
 
 /// A grid of cells in simplices, with a joint on every inner face if it is to break.
@@ -137,7 +137,8 @@ where
     assert_eq!(held.load(Ordering::Relaxed), foretold);
     run.advance(2).unwrap();
     let later = held.load(Ordering::Relaxed);
-    assert!(later >= foretold && later - foretold < foretold / 100, "{foretold} bytes, later {later}");
+    // Steps need short lists beside the columns.
+    assert!(later >= foretold && later - foretold < foretold / 10, "{foretold} bytes, later {later}");
     run.take_back();
     assert_eq!(held.load(Ordering::Relaxed), 0, "all of it is free again");
     foretold as f64 / model.mesh.elements.len() as f64
@@ -173,9 +174,16 @@ fn the_memory_of_a_run_is_foretold() {
 #[test]
 fn the_memory_of_a_run_that_no_device_computes_is_refused() {
     let mut model = grid::<2, 3>(2, false, 0.0);
-    model.rigid = vec![0];
+    let youngs_modulus = 0.8 * model.materials[0].youngs_modulus;
+    model.materials[0].law = MaterialLaw::TransverselyIsotropic(Bedding {
+        normal: [0.0, 1.0, 0.0],
+        youngs_modulus,
+        poissons_ratio: 0.1,
+        shear_modulus: 0.3 * youngs_modulus,
+        strength: None,
+    });
     let error = memory_of(&mut Simulation::new(model, 1).unwrap()).unwrap_err();
-    assert_eq!(error.to_string(), "a device does not compute rigid bodies");
+    assert_eq!(error.to_string(), "a device does not compute a material with bedding");
 }
 
 /// A device with too little memory refuses a run, frees all that it took, and the run continues on the

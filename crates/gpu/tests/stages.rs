@@ -157,9 +157,9 @@ fn a_stage_that_no_device_computes_is_an_error() {
     model.boundaries.clear();
     model.materials[0].law = MaterialLaw::TransverselyIsotropic(Bedding {
         normal: [0.0, 1.0, 0.0],
-        youngs_modulus: 4e6,
+        youngs_modulus: 4e10,
         poissons_ratio: 0.2,
-        shear_modulus: 1e6,
+        shear_modulus: 1e10,
         strength: None,
     });
     let error = run.replace(Simulation::new(model, 1).unwrap()).unwrap_err();

@@ -215,6 +215,7 @@ pub const QUANTITIES: &[Quantity] = &[
         about: "the largest pressure of the fluid in the cracks of the element; not a number without fluid \
                 there",
         unit: "Pa",
+        sign: "compression positive",
         span: Span::Any,
         of_fluid: true,
         // Joints have it.
@@ -342,6 +343,7 @@ pub const QUANTITIES: &[Quantity] = &[
         name: "pressure of the fluid",
         about: "the pressure of the fluid in it; not a number where fluid cannot enter",
         unit: "Pa",
+        sign: "compression positive",
         span: Span::Any,
         value: Value::Real(|state, joint, _| state.wet_joint(joint).map_or(f64::NAN, |wet| wet.pressure)),
         ..OF_FLUID
