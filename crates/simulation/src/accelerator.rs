@@ -219,7 +219,7 @@ pub struct SolidPatch<const D: usize, const N: usize> {
     pub node_count: usize,
     /// The nodes that change, ascending. All nodes that are new are among them.
     pub nodes: Vec<u32>,
-    /// Of each of these nodes: see [`SolidColumns`]. A new node that is held has one of the new places.
+    /// The columns of these nodes: see [`SolidColumns`]. A new node that is held has one of the new places.
     pub masses: Vec<f64>,
     /// See `masses`.
     pub true_masses: Vec<f64>,
@@ -229,7 +229,7 @@ pub struct SolidPatch<const D: usize, const N: usize> {
     pub ranges: Vec<[u32; 2]>,
     /// The corners in these ranges, one range after the other.
     pub corners: Vec<u32>,
-    /// Of each of these nodes: see [`SolidState`].
+    /// The state of these nodes: see [`SolidState`].
     pub positions: Vec<[f64; D]>,
     /// See `positions`.
     pub velocities: Vec<[f64; D]>,

@@ -29,7 +29,7 @@ class Placed(NamedTuple):
     waits: bool
     """Whether work that writes to it may not be done."""
     owner: Any
-    """What keeps its memory."""
+    """The object that keeps its memory."""
 
 
 def placed(value: Any, name: str) -> Placed:

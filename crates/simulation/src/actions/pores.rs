@@ -94,7 +94,7 @@ impl<const D: usize, const N: usize> PoreAction<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// How far elements have grown, m³.
+    /// The growth of each element with pores, m³.
     fn growth(&self, scene: &Scene<'_, D, N>) -> Vec<f64> {
         let solid = scene.solid();
         let of = |(&element, before): (&u32, &f64)| solid.shape(element).measure() * solid.thickness - before;

@@ -17,14 +17,14 @@ pub(super) struct FluidCell<const D: usize> {
     pub(super) sides: [u32; 2],
     /// Numbers of its vertices in the whole mesh, as they go around side 0.
     pub(super) vertices: [u32; D],
-    /// Its joint set, or [`NONE`].
+    /// The joint set, or [`NONE`].
     set: u32,
     /// Undeformed length, m, or area, m².
     measure: f64,
     /// Growth of its aperture with the pressure, m/Pa: see the front page of the module.
     softness: f64,
-    /// How far each end parts until its joint is without compression, m: gaps count from the beginning of the
-    /// run, when initial stress presses the joint together.
+    /// The gap at each end from which on the joint has no compression, m: gaps count from the beginning of
+    /// the run, when initial stress presses the joint together.
     pub(super) slack: [f64; D],
 }
 

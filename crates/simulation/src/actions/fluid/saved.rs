@@ -28,7 +28,7 @@ pub(super) struct SharedPlace<const D: usize> {
     pub(super) walls: Vec<u32>,
     pub(super) rims: Vec<Rim>,
     pub(super) joints: Vec<[u32; D]>,
-    /// Of the undeformed hole, and at the last step of the fluid, m³.
+    /// Volume of the undeformed hole, and the volume at the last step of the fluid, m³.
     pub(super) volumes: [f64; 2],
 }
 
