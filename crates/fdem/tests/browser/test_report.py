@@ -71,22 +71,32 @@ class Network:
         return max(range(len(self.centres)), key=depth)
 
 
+def of_gas(folder, count):
+    """The page and the network of a gas of spheres."""
+    packing = folder / "gas.csv"
+    subprocess.run([FDEM, "generate", "gas", "-n", str(count), "-o", str(packing)], check=True, capture_output=True)
+    with open(packing, newline="") as rows:
+        centres = [tuple(float(row[axis]) for axis in "xyz") for row in csv.DictReader(rows)]
+    page, couples = contacts(packing, folder)
+    return page, Network(centres, couples)
+
+
 @pytest.fixture(scope="session")
 def bed(tmp_path_factory):
+    """A real bed of 25,000 spheres. A software renderer takes a second for each of its pictures."""
     folder = tmp_path_factory.mktemp("bed")
-    if BED.exists():
-        packing, options = BED, ["--skip-bad-lines"]
-        rows = [line.split() for line in BED.read_text().splitlines()[1:]]
-        centres = [tuple(map(float, row[1:])) for row in rows if len(row) == 4]
-    else:
-        packing, options = folder / "gas.csv", []
-        subprocess.run([FDEM, "generate", "gas", "-n", "25000", "-o", str(packing)], check=True, capture_output=True)
-        with open(packing, newline="") as rows:
-            centres = [tuple(float(row[axis]) for axis in "xyz") for row in csv.DictReader(rows)]
-    page, couples = contacts(packing, folder, *options)
-    if BED.exists():
-        assert len(couples) == 53876
+    if not BED.exists():
+        return of_gas(folder, 25000)
+    rows = [line.split() for line in BED.read_text().splitlines()[1:]]
+    centres = [tuple(map(float, row[1:])) for row in rows if len(row) == 4]
+    page, couples = contacts(BED, folder, "--skip-bad-lines")
+    assert len(couples) == 53876
     return page, Network(centres, couples)
+
+
+@pytest.fixture(scope="session")
+def gas(tmp_path_factory):
+    return of_gas(tmp_path_factory.mktemp("gas"), 3000)
 
 
 @pytest.fixture(scope="session")
@@ -166,8 +176,8 @@ def test_a_click_names_the_element_and_all_its_contacts(browser, bed):
         watched.check()
 
 
-def test_an_id_finds_its_element(browser, bed):
-    path, network = bed
+def test_an_id_finds_its_element(browser, gas):
+    path, network = gas
     with Watched(browser, path) as watched:
         page = watched.page
         busiest = max(network.contacts, key=lambda k: len(network.contacts[k]))
@@ -186,8 +196,8 @@ def test_an_id_finds_its_element(browser, bed):
         watched.check()
 
 
-def test_mouse_and_keys_turn_and_zoom(browser, bed):
-    with Watched(browser, bed[0]) as watched:
+def test_mouse_and_keys_turn_and_zoom(browser, gas):
+    with Watched(browser, gas[0]) as watched:
         page = watched.page
         first = watched.state()
         box = page.locator("#canvas").bounding_box()
@@ -219,8 +229,8 @@ def test_mouse_and_keys_turn_and_zoom(browser, bed):
         watched.check()
 
 
-def test_a_cut_hides_the_centres_beyond_it(browser, bed):
-    path, network = bed
+def test_a_cut_hides_the_centres_beyond_it(browser, gas):
+    path, network = gas
     with Watched(browser, path) as watched:
         page = watched.page
         page.select_option("#clip-axis", "2")
@@ -243,8 +253,8 @@ def test_a_cut_hides_the_centres_beyond_it(browser, bed):
         watched.check()
 
 
-def test_colours_and_parts_can_be_chosen(browser, bed):
-    with Watched(browser, bed[0]) as watched:
+def test_colours_and_parts_can_be_chosen(browser, gas):
+    with Watched(browser, gas[0]) as watched:
         page = watched.page
         seen = [picture(watched.page)]
         for by, legend in (("overlap", "largest overlap"), ("size", "radius"), ("coordination", "contacts of an element")):
@@ -265,8 +275,8 @@ def test_colours_and_parts_can_be_chosen(browser, bed):
         watched.check()
 
 
-def test_the_table_is_sorted_filtered_and_paged(browser, bed):
-    path, network = bed
+def test_the_table_is_sorted_filtered_and_paged(browser, gas):
+    path, network = gas
     with Watched(browser, path) as watched:
         page = watched.page
         count = len(network.centres)
@@ -293,9 +303,9 @@ def test_the_table_is_sorted_filtered_and_paged(browser, bed):
         watched.check()
 
 
-def test_dark_mode_by_system_and_by_hand(browser, bed):
+def test_dark_mode_by_system_and_by_hand(browser, gas):
     background = "getComputedStyle(document.body).backgroundColor"
-    with Watched(browser, bed[0], color_scheme="dark") as watched:
+    with Watched(browser, gas[0], color_scheme="dark") as watched:
         page = watched.page
         dark = page.evaluate(background)
         watched.shot("dark-whole")
@@ -306,7 +316,7 @@ def test_dark_mode_by_system_and_by_hand(browser, bed):
         page.click("#theme")
         assert page.evaluate(background) == dark
         watched.check()
-    with Watched(browser, bed[0], color_scheme="light") as watched:
+    with Watched(browser, gas[0], color_scheme="light") as watched:
         assert watched.page.evaluate(background) == light
         watched.shot("light-whole")
 
@@ -316,10 +326,10 @@ def lightness(colour):
     return 2 * red + 5 * green + blue
 
 
-def test_large_values_stand_out_in_the_dark(browser, bed):
+def test_large_values_stand_out_in_the_dark(browser, gas):
     """On dark paper the largest overlaps were the darkest."""
     for scheme in ("light", "dark"):
-        with Watched(browser, bed[0], color_scheme=scheme) as watched:
+        with Watched(browser, gas[0], color_scheme=scheme) as watched:
             page = watched.page
             page.select_option("#colour-by", "overlap")
             bar = page.evaluate("document.querySelector('.legend .bar').style.background")
@@ -329,16 +339,16 @@ def test_large_values_stand_out_in_the_dark(browser, bed):
             watched.check()
 
 
-def test_legends_hide_no_elements(browser, bed):
-    with Watched(browser, bed[0]) as watched:
+def test_legends_hide_no_elements(browser, gas):
+    with Watched(browser, gas[0]) as watched:
         legends, canvas = (watched.page.locator(name).bounding_box() for name in ("#legends", "#canvas"))
         assert legends["y"] >= canvas["y"] + canvas["height"] - 1
         assert canvas["height"] > 300
         watched.check()
 
 
-def test_the_view_zooms_to_the_element_that_is_picked(browser, bed):
-    path, network = bed
+def test_the_view_zooms_to_the_element_that_is_picked(browser, gas):
+    path, network = gas
     with Watched(browser, path) as watched:
         page = watched.page
         assert page.is_disabled("#zoom-to")
@@ -413,8 +423,8 @@ def test_meshes_and_images(browser, tmp_path, case):
         watched.check()
 
 
-def test_everything_is_reached_by_the_keyboard(browser, bed):
-    with Watched(browser, bed[0]) as watched:
+def test_everything_is_reached_by_the_keyboard(browser, gas):
+    with Watched(browser, gas[0]) as watched:
         page = watched.page
         reached = []
         for _ in range(24):
@@ -426,25 +436,25 @@ def test_everything_is_reached_by_the_keyboard(browser, bed):
             assert name in reached, reached
 
 
-def test_without_webgl_a_picture_stands_in(browser, bed):
+def test_without_webgl_a_picture_stands_in(browser, gas):
     script = "HTMLCanvasElement.prototype.getContext = () => null"
-    with Watched(browser, bed[0], script) as watched:
+    with Watched(browser, gas[0], script) as watched:
         page = watched.page
         assert page.is_visible("#preview img")
         assert page.evaluate("document.querySelector('#preview img').naturalWidth") > 500
         assert "no WebGL2" in page.text_content("#why")
         page.fill("#find-id", "12")
         page.keyboard.press("Enter")
-        assert watched.picked("contacts") == str(len(bed[1].contacts.get(12, {})))
+        assert watched.picked("contacts") == str(len(gas[1].contacts.get(12, {})))
         watched.shot("picture")
         watched.check()
 
 
-def test_a_browser_that_cannot_inflate(browser, bed):
-    with Watched(browser, bed[0], "delete window.DecompressionStream") as watched:
+def test_a_browser_that_cannot_inflate(browser, gas):
+    with Watched(browser, gas[0], "delete window.DecompressionStream") as watched:
         watched.page.fill("#find-id", "12")
         watched.page.keyboard.press("Enter")
-        assert watched.picked("contacts") == str(len(bed[1].contacts.get(12, {})))
+        assert watched.picked("contacts") == str(len(gas[1].contacts.get(12, {})))
         watched.check()
 
 
