@@ -16,9 +16,6 @@ pub(crate) mod saved;
 pub(crate) mod snapshots;
 pub(crate) mod totals;
 
-#[cfg(test)]
-mod other_machine;
-
 use crate::action::{Event, Scene};
 use crate::error::Stop;
 use crate::joints::Pulling;

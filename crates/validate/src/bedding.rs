@@ -57,8 +57,8 @@ where
     let mut run = Simulation::new(model, 1).map_err(|error| error.to_string())?;
     let mut passed = Vec::new();
     let mean = |run: &Simulation<D, N>, nodes: &[u32]| {
-        let velocities = run.snapshot().velocities;
-        nodes.iter().map(|&node| velocities[node as usize][axis]).sum::<f64>() / nodes.len() as f64
+        let velocities = nodes.iter().filter_map(|&node| run.node(node)).map(|(_, velocity)| velocity[axis]);
+        velocities.sum::<f64>() / nodes.len() as f64
     };
     let mut before = 0.0;
     while passed.len() < 2 {

@@ -283,6 +283,20 @@ where
         self.run.threads()
     }
 
+    /// Memory of the mesh, the nodes, the elements and the joints of this rank, bytes. It is without contacts.
+    pub fn memory(&self) -> usize {
+        let run = &self.run;
+        let (mesh, solid) = (&run.model.mesh, run.solid());
+        let of_mesh = size_of_val(&*mesh.nodes)
+            + size_of_val(&*mesh.elements)
+            + size_of_val(&*mesh.bodies)
+            + size_of_val(&*mesh.materials);
+        // Owners of corners, whether an element is this rank's, and three numbers for each vertex.
+        let owners = run.part.as_ref().map_or(0, |part| size_of_val(&*part.owners));
+        let of_part = owners + solid.element_count() + 3 * size_of::<u32>() * mesh.nodes.len();
+        of_mesh + of_part + run.topology.bytes() + solid.bytes() + run.joints().bytes()
+    }
+
     /// The elements and the traffic of this rank.
     pub fn traffic(&self) -> Traffic {
         let share = self.run.solid().share();

@@ -323,6 +323,15 @@ where
         actions.begin(&Scene { model, topology, machine: &**machine, team, time, step })
     }
 
+    /// Number of elements whose facets the next step checks for failure. Those of the others are known to be
+    /// too far from their strength to fail in it.
+    ///
+    /// # Cost
+    /// A look at each element; on a device, a copy of its columns.
+    pub fn awake(&self) -> usize {
+        (0..self.solid().element_count()).filter(|&element| self.solid().is_awake(element)).count()
+    }
+
     /// Pressure, volume and work of the cavity of a boundary; `None` if it has none.
     pub fn cavity(&self, boundary: usize) -> Option<CavityState> {
         self.actions.cavities.state(u32::try_from(boundary).ok()?)

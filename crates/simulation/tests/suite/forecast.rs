@@ -112,3 +112,22 @@ fn no_ranks_and_too_many_are_refused() {
     }
     assert!(Forecast::of(&mut run, 1200).is_ok());
 }
+
+/// The predicted memory of a rank is that of its lists.
+#[test]
+fn memory_is_that_of_the_lists_of_a_rank() {
+    for insertion in [Insertion::Adaptive, Insertion::Intrinsic] {
+        let whole = || Simulation::new(model(true, insertion), 1).expect("a model");
+        let forecast = Forecast::of(&mut whole(), 4).expect("not too many ranks");
+        let of_ranks = threads::run(4, |communicator: &dyn Communicator| {
+            let run = (communicator.rank() == 0).then(whole);
+            Distributed::new(communicator, run, 1).expect("threads").memory()
+        });
+        let of_element = forecast.sizes.all() - forecast.sizes.contacts;
+        for (rank, bytes) in forecast.of_ranks.iter().zip(of_ranks) {
+            let foretold = of_element * rank.held() as f64;
+            let ratio = foretold / bytes as f64;
+            assert!((0.93..1.07).contains(&ratio), "{insertion:?}: {foretold} instead of {bytes}");
+        }
+    }
+}

@@ -14,6 +14,8 @@ mod contact;
 mod forces;
 /// Strength and fracture energy.
 mod fracture;
+/// Elements whose facets are not checked for failure.
+mod awake;
 /// Sets of joints with their own laws.
 mod joint_sets;
 /// Laws of the material besides the neo-Hookean one.

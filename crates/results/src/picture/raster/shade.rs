@@ -1,7 +1,7 @@
 //! Shadows in hollows (ambient occlusion), and haze.
 
 use crate::arrays::each;
-use crate::picture::raster::buffer::Raster;
+use crate::picture::raster::buffer::{Raster, byte};
 
 /// Samples along each axis of a pixel with four samples, [`GRID`](crate::picture::raster::GRID).
 const SIDE: isize = 2;
@@ -78,9 +78,9 @@ impl Raster<4> {
                 let pale = haze * (nearest - depth) / range;
                 let colour = &mut colours[place.cast_unsigned()];
                 let [cover, channels @ ..] = colour.to_be_bytes();
-                let [red, green, blue] = channels.map(|channel| {
-                    let shaded = f32::from(channel) * open;
-                    (shaded + (250.0 - shaded) * pale).round() as u8
+                let [red, green, blue] = each(|k| {
+                    let shaded = f32::from(channels[k]) * open;
+                    byte(shaded + (250.0 - shaded) * pale)
                 });
                 *colour = u32::from_be_bytes([cover, red, green, blue]);
             }

@@ -1,8 +1,9 @@
 //! Spheres, rods with round ends and facets, lit from the left, above and in front.
 
+use crate::arrays::each;
 use crate::picture::capsule::Capsule;
 use crate::picture::colour::Rgb;
-use crate::picture::raster::buffer::{PARTS, Paint, Raster};
+use crate::picture::raster::buffer::{PARTS, Paint, Raster, byte};
 use crate::picture::raster::triangle::{Stroke, Triangle};
 
 /// Direction to the light: left, above and in front.
@@ -94,11 +95,11 @@ impl<const S: usize> Raster<S> {
         }
         let (depths, colours) = (&mut self.depths[place], &mut self.colours[place]);
         for k in 0..S {
-            let [x, y] = self.places.map(|places| places[k] / PARTS);
-            let Some((depth, normal)) = at([column as f64 + x, row as f64 + y]) else { continue };
+            let [x, y] = [self.places[0][k] / PARTS, self.places[1][k] / PARTS];
+            let Some((depth, [u, v, w])) = at([column as f64 + x, row as f64 + y]) else { continue };
             if depth as f32 > depths[k] {
                 depths[k] = depth as f32;
-                colours[k] = Paint::solid(lit(colour, normal.map(|x| x as f32))).packed();
+                colours[k] = Paint::solid(lit(colour, [u as f32, v as f32, w as f32])).packed();
             }
         }
         self.hidden[place] = depths.iter().copied().fold(f32::INFINITY, f32::min);
@@ -113,12 +114,13 @@ fn range(middle: f64, radius: f64, end: usize) -> std::ops::Range<usize> {
 /// Colour of a lit surface. The rim is a little darker, so that neighbours of the same colour can be
 /// distinguished.
 fn lit(colour: Rgb, normal: [f32; 3]) -> Rgb {
-    let lambert = normal.iter().zip(LIGHT).map(|(n, l)| n * l).sum::<f32>().max(0.0);
-    let rim = 0.80 + 0.20 * normal[2];
+    let [x, y, z] = normal;
+    let lambert = (x * LIGHT[0] + y * LIGHT[1] + z * LIGHT[2]).max(0.0);
+    let rim = 0.80 + 0.20 * z;
     let light = (0.62 + 0.50 * lambert) * rim;
     // A soft highlight by the half vector between light and eye.
-    let shine = (normal[0] * -0.23 + normal[1] * 0.34 + normal[2] * 0.912).max(0.0).powi(24) * 26.0;
-    colour.map(|channel| (f32::from(channel) * light + shine).min(255.0).round() as u8)
+    let shine = (x * -0.23 + y * 0.34 + z * 0.912).max(0.0).powi(24) * 26.0;
+    each(|k| byte(f32::from(colour[k]) * light + shine))
 }
 
 #[cfg(test)]
