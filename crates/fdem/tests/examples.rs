@@ -10,8 +10,8 @@ use std::process::Command;
 use rayon::prelude::*;
 use serde_json::Value;
 
-/// Elements and spheres times steps of a reduced run: about a second.
-const WORK: f64 = 1e6;
+/// Elements and spheres times steps of a reduced run.
+const WORK: f64 = 3e5;
 
 /// The models in two and in three dimensions, with different names.
 fn examples() -> Vec<(String, PathBuf)> {

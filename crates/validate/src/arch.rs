@@ -29,7 +29,7 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
     for &(share, stands) in shares {
         let mut times = [None; 2];
         for (time, (is_rigid, kind)) in times.iter_mut().zip([(false, ""), (true, ", rigid")]) {
-            *time = falls_at(share * LEAST, is_rigid)?;
+            *time = falls_at(share * LEAST, is_rigid, size.choose(2.0, 3.0))?;
             let found = f64::from(u8::from(time.is_none()));
             let name = format!("arch of {share} times the least thickness{kind}: 1 if it stands");
             outcomes.push(Outcome::absolute(name, f64::from(u8::from(stands)), found, 0.0, ""));
@@ -43,8 +43,8 @@ pub(super) fn run(size: Size) -> Result<Vec<Outcome>, String> {
 }
 
 /// When an arch of this thickness, m, has fallen under its weight, s: its crown has sunk by a tenth of the
-/// radius. `None` if it stands. `is_rigid`: whether all of its parts are.
-fn falls_at(thickness: f64, is_rigid: bool) -> Result<Option<f64>, String> {
+/// radius. `None` if it stands until the time `end`, s. `is_rigid`: whether all of its parts are.
+fn falls_at(thickness: f64, is_rigid: bool, end: f64) -> Result<Option<f64>, String> {
     let count = 32;
     let bases = [-1.0, 1.0].map(|side: f64| {
         let middle = side * RADIUS;
@@ -77,7 +77,7 @@ fn falls_at(thickness: f64, is_rigid: bool) -> Result<Option<f64>, String> {
     };
     let mut run = start(model)?;
     let sinks = |run: &Simulation| run.node(crown).map_or(f64::NAN, |([_, y], _)| -y / RADIUS);
-    while run.time() < 3.0 {
+    while run.time() < end {
         let next = run.time() + 1e-3;
         advance_to(&mut run, next)?;
         if sinks(&run) > 0.1 {

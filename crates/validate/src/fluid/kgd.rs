@@ -92,7 +92,7 @@ pub(crate) fn viscosity(size: Size) -> Result<Vec<Outcome>, String> {
 /// With leak-off. In the toughness regime a crack of the half-length `l` holds `2 √π K l^(3/2)/E'`, and both
 /// faces of both wings leak. The length of each time follows from the balance of the volume, by bisection.
 pub(crate) fn leak_off(size: Size) -> Result<Vec<Outcome>, String> {
-    let cell = size.choose(0.05, 0.025);
+    let cell = size.choose(0.08, 0.025);
     let pair = Pair { leak_off: LEAK_OFF, ..low_viscosity(cell) };
     let lengths = lengths_with_leak_off(pair.toughness);
     driven(&pair, cell, [0.03, 0.05, 0.05], &|time| {
