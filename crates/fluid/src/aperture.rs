@@ -9,7 +9,7 @@ use crate::error::{FluidError, check};
 /// Hydraulic aperture as a function of the mechanical opening and of the compression of a closed joint.
 ///
 /// `a = clamp(a0 + f w, a_res, a_max)`, with the mechanical opening `w`. Where `w` is zero and the joint has
-/// a reference stress `σ_ref`, its aperture falls under a compression `σ > 0` as `a = a0/(1 + 9 σ/σ_ref)`,
+/// a reference stress `σ_ref`, its aperture falls under an effective compression `σ > 0` as `a = a0/(1 + 9 σ/σ_ref)`,
 /// within the same limits: a tenth of `a0` at the reference stress. At `σ = 0` and `w = 0` both forms are
 /// `a0`.
 ///
@@ -39,14 +39,23 @@ impl Default for ApertureLaw {
 }
 
 impl ApertureLaw {
-    /// The aperture, m, at an opening (m, not negative) and a total normal compression (Pa, positive if the
-    /// joint is pressed together).
+    /// The aperture, m, at an opening (m, not negative) and an effective normal compression: the total one
+    /// less the pressure of the fluid, Pa, positive if the walls are pressed together.
     pub fn aperture(&self, opening: f64, compression: f64) -> f64 {
         let closing = match self.reference_stress {
             Some(stress) if opening == 0.0 && compression > 0.0 => 1.0 + 9.0 * compression / stress,
             _ => 1.0,
         };
         (self.initial / closing + self.factor * opening).clamp(self.residual, self.largest)
+    }
+
+    /// Growth of the aperture of a closed joint under an effective compression (Pa, positive) with the
+    /// pressure of its fluid, m/Pa: `9 a0/σ_ref/(1 + 9 σ/σ_ref)²` between the limits of the aperture.
+    pub fn compliance(&self, compression: f64) -> f64 {
+        let Some(stress) = self.reference_stress else { return 0.0 };
+        let closing = 1.0 + 9.0 * compression / stress;
+        let is_limited = !(self.residual..=self.largest).contains(&(self.initial / closing));
+        if is_limited { 0.0 } else { 9.0 * self.initial / (stress * closing * closing) }
     }
 
     pub(crate) fn check(&self, place: impl fmt::Display + Copy) -> Result<(), FluidError> {
@@ -83,5 +92,8 @@ mod tests {
         let closure = 1e-4 - of(0.0, 1e6);
         assert!((2e6 / 9e-4 * closure / (1.0 - closure / 1e-4) / 1e6 - 1.0).abs() < 1e-12);
         assert_eq!(of(0.0, 1e12), 4e-6);
+        let rise = (of(0.0, 0.999e6) - of(0.0, 1.001e6)) / 2e3;
+        assert!((law.compliance(1e6) / rise - 1.0).abs() < 1e-5, "{rise}");
+        assert_eq!(law.compliance(1e12), 0.0);
     }
 }

@@ -30,7 +30,8 @@ pub struct Shape<const D: usize> {
     pub corners: [[f64; D]; D],
     /// Mechanical opening, m: the mean of the normal gaps at the corners, each at least zero.
     pub opening: f64,
-    /// Total normal compression of a closed joint, Pa: positive if it is pressed together.
+    /// Effective normal compression of a closed joint, Pa: the total one less the pressure of the fluid,
+    /// positive if the walls are pressed together.
     pub compression: f64,
     /// Growth of the aperture with the pressure, m/Pa, that a step may count on before the solid has moved;
     /// zero for rigid walls. A good value is the length of the crack over the plane-strain modulus.

@@ -41,7 +41,7 @@ mod cells;
 mod places;
 mod saved;
 
-use fdem_fluid::{Cell, FlowModel, FluidError, Network, NetworkState, Shape, Source};
+use fdem_fluid::{Cell, FlowModel, FluidError, Network, NetworkState, Scheme, Shape, Source};
 
 use crate::action::{Acting, Action, Applied, Record, Scene, on_corners};
 use crate::actions::cavity::face::Face;
@@ -226,7 +226,6 @@ impl<const D: usize> FluidAction<D> {
     where
         [[f64; D]; N]: Simplex<D, N>,
     {
-        let lowest = options.flow.fluid.state.lowest_pressure();
         let is_renewed = self.renew(options, scene, peers);
         self.measure_holes(scene, peers);
         let Some(network) = &mut self.network else { return Ok(()) };
@@ -237,11 +236,13 @@ impl<const D: usize> FluidAction<D> {
         let sides = sides_of(self.cells.len(), all(peers, motion_of(located, scene)));
         let pressures = network.pressures();
         let before = &network.state().cells;
-        let above = |cell: &FluidCell<D>| {
-            before.binary_search(&cell.key()).map_or(0.0, |place| pressures[place] - lowest)
+        let pressure = |cell: &FluidCell<D>| {
+            before
+                .binary_search(&cell.key())
+                .map_or_else(|_| first_pressure(options), |place| pressures[place])
         };
         let shape = |(cell, sides): (&FluidCell<D>, &[_; 2])| {
-            cell.shape::<N>(sides, above(cell), options, scene.step)
+            cell.shape::<N>(sides, pressure(cell), options, scene.step)
         };
         self.shapes = self.cells.iter().zip(&sides).map(shape).collect();
         if is_renewed {
@@ -341,7 +342,7 @@ impl<const D: usize> FluidAction<D> {
         let sides = sides_of(self.cells.len(), vec![motion_of(located, scene)]);
         let shape = |(cell, sides): (&FluidCell<D>, &[_; 2])| match saved.cells.get(&cell.key()) {
             Some(of) => of.shape(),
-            None => cell.shape::<N>(sides, 0.0, options, scene.step),
+            None => cell.shape::<N>(sides, first_pressure(options), options, scene.step),
         };
         self.shapes = self.cells.iter().zip(&sides).map(shape).collect();
         self.measure_holes(scene, &Alone);
@@ -360,6 +361,11 @@ impl<const D: usize> FluidAction<D> {
         network.restore(&NetworkState { time: scene.time, ..network.state().clone() })?;
         Ok(network)
     }
+}
+
+/// Pressure, Pa, of a cell that fluid has not entered before.
+fn first_pressure<const D: usize>(options: &FluidOptions<D>) -> f64 {
+    options.initial_pressure.unwrap_or_else(|| options.flow.fluid.state.lowest_pressure())
 }
 
 /// The cells, as the network has them.
@@ -391,6 +397,19 @@ where
         let (found, expected) = (options.set_apertures.len(), scene.model.joint_sets.len());
         if found != 0 && found != expected {
             return Err(ModelError::Length { what: "apertures of joint sets", found, expected });
+        }
+        let laws = std::iter::once(&options.aperture).chain(&options.set_apertures);
+        if let Some(value) = laws.filter_map(|law| law.reference_stress).next()
+            && options.flow.scheme == Scheme::Explicit
+        {
+            // The pressure of the step before would close and open joints in turn.
+            let (place, what) = ("fluid".to_owned(), "reference stress of an aperture");
+            return Err(ModelError::OutOfRange {
+                place,
+                what,
+                value,
+                range: "absent in the explicit scheme",
+            });
         }
         self.places = places_of(options, scene.model, scene)?;
         self.network = Some(self.start(options, scene)?);

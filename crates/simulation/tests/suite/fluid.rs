@@ -1,7 +1,7 @@
 //! Fluid in holes and cracks: the direction of its pressure, its mass, its work, and known solutions.
 
 use crate::common::*;
-use fdem_simulation::fluid::{ApertureLaw, Drive, FlowModel, Fluid, Schedule as FluidSchedule};
+use fdem_simulation::fluid::{ApertureLaw, Drive, FlowModel, Fluid, Schedule as FluidSchedule, Scheme};
 use fdem_simulation::*;
 
 /// Water with another viscosity, Pa s.
@@ -292,6 +292,36 @@ fn a_joint_under_stress_opens_by_the_law_of_its_set_alone() {
     }
     assert!(whole(&run).iter().any(|a| *a > 1.1 * initial / 5.5), "{:?}", whole(&run));
     assert_eq!(run.snapshot().cracks.iter().filter(|crack| !crack.open_from_start).count(), 0);
+}
+
+/// The pressure of the fluid in a closed joint carries a part of the stress on it: the rest closes the joint.
+#[test]
+fn the_effective_stress_closes_a_joint() {
+    let strong = Strength { tensile: 50e6, cohesion: 100e6, energy_i: 1e4, energy_ii: 1e5, ..rock() };
+    let mut model = cracked(0.02, [0.02, 0.1, 0.3], Some(strong), 2700.0);
+    model.stresses = vec![[[0.0, 0.0], [0.0, -5e6]]; model.mesh.elements.len()];
+    let ends = nodes_where(&model.mesh, |[_, y]| y.abs() > 0.3 - 1e-9);
+    model.boundaries.push(held("ends", ends, [None, Some(0.0)], Schedule::Constant));
+    let initial = 5e-5;
+    let law = ApertureLaw { initial, reference_stress: Some(1e7), ..narrow() };
+    let fluid = model.fluid.as_mut().expect("a fluid");
+    (fluid.set_apertures, fluid.initial_pressure) = (vec![law; 2], Some(2e6));
+    let mut explicit = model.clone();
+    explicit.fluid.as_mut().expect("a fluid").flow.scheme = Scheme::Explicit;
+    let refused = Simulation::new(explicit, 1).expect_err("closure by the pressure of the step before");
+    assert!(refused.to_string().contains("reference stress"), "{refused}");
+    let mut run = Simulation::new(model, 1).expect("a model");
+    // An effective compression of 3 MPa: a0/(1 + 9 · 0.3).
+    for steps in [1, 1, 10, 200] {
+        run.advance(steps).expect("steps");
+        let network = run.fluid().expect("a fluid");
+        let apertures = network.apertures();
+        assert!(apertures.len() >= 5, "{apertures:?}");
+        assert!(apertures.iter().all(|a| (a / (initial / 3.7) - 1.0).abs() < 0.05), "{apertures:?}");
+        assert!(network.pressures().iter().all(|p| (p / 2e6 - 1.0).abs() < 0.1), "{:?}", network.pressures());
+        let balance = network.balance();
+        assert!((balance.stored / balance.initial - 1.0).abs() < 1e-12, "{balance:?}");
+    }
 }
 
 /// A crack of the length `2 l` under the pressure `p` opens by `4 p √(l² - x²)/E'`: an area of `2 π p l²/E'`.

@@ -74,7 +74,8 @@ pub struct Fluid {
     #[serde(default = "max_aperture")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub max_aperture: f64,
-    /// Compression at which a closed crack has a tenth of its `aperture`, Pa (Barton and Bandis). Default:
+    /// Effective compression, the total one less the pressure of the fluid, at which a closed crack has a tenth
+    /// of its `aperture`, Pa (Barton and Bandis); not with the explicit scheme. Default:
     /// none, compression has no effect.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]

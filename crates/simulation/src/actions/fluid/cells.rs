@@ -73,11 +73,11 @@ impl<const D: usize> FluidCell<D> {
         })
     }
 
-    /// Its shape. `above`: its pressure above the lowest one, Pa; `step`: of the solid, s.
+    /// Its shape. `pressure`: that of its fluid, Pa; `step`: of the solid, s.
     pub(super) fn shape<const N: usize>(
         &self,
         sides: &[SideMotion<D>; 2],
-        above: f64,
+        pressure: f64,
         options: &FluidOptions<D>,
         step: f64,
     ) -> Shape<D>
@@ -96,23 +96,29 @@ impl<const D: usize> FluidCell<D> {
                 .map(|[a, b]| dot(minus(b, a), axes.axes[0]));
             opening += (gap - self.slack[end] + ahead * rate).max(0.0) / D as f64;
         }
-        let compression = if opening == 0.0 { compression_of::<D, N>(sides) } else { 0.0 };
-        let is_pressed = compression > 0.0 && self.law(options).reference_stress.is_some();
+        let effective = if opening == 0.0 { compression_of::<D, N>(sides) - pressure } else { 0.0 };
         let corners = std::array::from_fn(|end| {
             let [a, b] = both(&|side| side.places, end);
             std::array::from_fn(|axis| f64::midpoint(a[axis], b[axis]))
         });
-        Shape {
+        let law = self.law(options);
+        let shape = Shape {
             corners,
-            opening: if is_pressed { 0.0 } else { opening + self.softness * above },
-            compression,
+            opening,
+            compression: effective.max(0.0),
             compliance: self.softness,
             is_wet: true,
+        };
+        if effective > 0.0 && law.reference_stress.is_some() {
+            // The aperture is a function of the pressure: the flow may count on its growth.
+            return Shape { compliance: law.compliance(effective), ..shape };
         }
+        let above = pressure - options.flow.fluid.state.lowest_pressure();
+        Shape { opening: opening + self.softness * above, ..shape }
     }
 }
 
-/// Compression across a cell, Pa: the mean of the two elements beside it.
+/// Total compression across a cell, Pa, negative in tension: the mean of the two elements beside it.
 fn compression_of<const D: usize, const N: usize>(sides: &[SideMotion<D>; 2]) -> f64
 where
     [[f64; D]; N]: Simplex<D, N>,
@@ -121,7 +127,7 @@ where
     let square = dot(across, across);
     let tension = |side: &SideMotion<D>| dot(side.stress.map(|row| dot(row, across)), across) / square;
     let [a, b] = sides.each_ref().map(tension);
-    (-f64::midpoint(a, b)).max(0.0)
+    -f64::midpoint(a, b)
 }
 
 /// Cells of the joints here that fluid can enter, besides the known ones, by their keys.
