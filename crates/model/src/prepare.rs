@@ -25,7 +25,10 @@ use crate::shapes::piece::Piece;
 use crate::shapes::placed::Placed;
 use crate::stages::conditions::{self, Resolved};
 use crate::stages::injections::InjectionPlaces;
-use crate::stages::{boundaries, cavities, fluid, injections, resolve, schedules, supports};
+use crate::stages::pore_surfaces::PorePlaces;
+use crate::stages::{
+    boundaries, cavities, fluid, injections, pore_surfaces, pores, resolve, schedules, supports,
+};
 use crate::text::document::{Document, Table, line_of};
 use crate::text::fault::{Fault, ModelErrors};
 use crate::text::file::{self, ModelFile};
@@ -221,6 +224,8 @@ fn prepare_or_faults(
     cavities::check(&file, &document, &mut found);
     fluid::check(&file, &document, &mut found);
     injections::check(&file, &document, &mut found);
+    pores::check(&file, &document, dimensions, &mut found);
+    pore_surfaces::check(&file, &document, &mut found);
     settings::check(&file, &document, &mut found);
     resolve::check(&file, &document, &mut found);
     scaling::check(&file, &document, &mut found);
@@ -334,13 +339,15 @@ impl Checked<'_> {
         let (mesh, placed, missing) = build::build(file, document, (&lines, load), &wrong, &mut found);
         let boundaries =
             boundaries::resolve(file, document, &mesh, &placed, (&missing, &skipped), load, &mut found);
-        let (mut stages, mut bonds, mut fluid) = (Vec::new(), Bonds::default(), None);
+        let (mut stages, mut bonds, mut fluid, mut pores) = (Vec::new(), Bonds::default(), None, None);
         if missing.is_empty() {
             stages = resolve::resolve(file, document, &mesh, &placed, &mut found);
             sets::check_groups(file, document, &placed, &mut found);
             bonds = Bonds::find(file, document, &placed, &mut found);
             let places = InjectionPlaces::of((file, document), (&mesh, &placed), &boundaries, &bonds);
             fluid = places.fluid(gravity(file), faults.is_empty(), load, &mut found);
+            let places = PorePlaces { file, document, mesh: &mesh, placed: &placed };
+            pores = places.pores(gravity(file), faults.is_empty(), load, &mut found);
         }
         let mut spheres = || assemble::assemble(file, document, (&materials, &placed), load, &mut found);
         let sphere_model = if faults.is_empty() && missing.is_empty() { spheres() } else { None };
@@ -366,6 +373,7 @@ impl Checked<'_> {
             until_overloaded: build::until_overloaded(file, &placed),
             grains: sphere_model.as_ref().map(|of| of.model.clone()),
             fluid,
+            pores,
             velocities: initial::velocities(file, &placed),
             stresses: initial::stresses(file, &mesh, &placed),
             mesh,
@@ -436,6 +444,14 @@ where
     let joined = bonds.join(prepared);
     joined.map_err(|error| Fault::at(document.key(Table::of("joint_set", 0), "name"), error))?;
     let tables: Vec<usize> = placed.iter().map(|body| body.table).collect();
+    if file.stage.is_empty()
+        && let Some(name) = pores::settle(&mut prepared.model).first()
+    {
+        let index = file.pore_surface.iter().position(|surface| surface.name == *name);
+        let span = document.value(Table::of("pore_surface", index.unwrap_or(0)), "name");
+        let message = format!("[[pore_surface]] \"{name}\" lies between bonded bodies alone");
+        return Err(Fault::at(span, message).label("no surface"));
+    }
     build::overloaded_fault(file, document, &prepared.model, &tables)?;
     supports::check(file, document, prepared)?;
     extreme::steps(file, document, prepared)?;
@@ -556,6 +572,7 @@ fn check_names(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault
         ("joint_set", names(&file.joint_set, |set| &set.name)),
         ("boundary", names(&file.boundary, |boundary| &boundary.name)),
         ("injection", names(&file.injection, |injection| &injection.name)),
+        ("pore_surface", names(&file.pore_surface, |surface| &surface.name)),
         ("history", names(&file.history, |history| &history.name)),
         ("stage", names(&file.stage, |stage| &stage.name)),
         ("curve", names(&file.curve, |curve| &curve.name)),

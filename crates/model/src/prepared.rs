@@ -118,6 +118,9 @@ pub struct PreparedStage {
     /// Whether each injection pumps; `None` if there is no fluid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub injections: Option<Vec<bool>>,
+    /// Whether each surface of pores acts; `None` if pores have no liquid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pore_surfaces: Option<Vec<bool>>,
     /// Factor of the forces of all that vanishes at its beginning; `None` if they vanish too.
     pub release: Option<Schedule>,
     /// Local damping.

@@ -94,6 +94,17 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         let at = injection.at.as_ref().map(|at| at.0.len());
         vectors.extend(at.map(|found| (Table::of("injection", index), "at".to_owned(), found, d)));
     }
+    for (index, surface) in file.pore_surface.iter().enumerate() {
+        let lengths = [
+            ("box", surface.limits.as_ref().map(Vec::len), 2 * d),
+            ("at", surface.at.as_ref().map(|at| at.0.len()), d),
+        ];
+        let table = Table::of("pore_surface", index);
+        let lengths = lengths.into_iter();
+        vectors
+            .extend(lengths.filter_map(|(key, found, wanted)| Some((table, key.to_owned(), found?, wanted))));
+        faults.extend(flat_sides(surface.all_sides(), surface.side.is_some(), d, (document, table)));
+    }
     vectors.extend(
         coarse::length(file, d).map(|(table, key, found, wanted)| (table, key.to_owned(), found, wanted)),
     );
@@ -109,6 +120,22 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
     }
 }
 
+/// The fault of sides that a flat body does not have. `is_one`: they are the value of `side`.
+fn flat_sides(
+    mut sides: impl Iterator<Item = Side>,
+    is_one: bool,
+    d: usize,
+    (document, table): (&Document<'_>, Table),
+) -> Option<Fault> {
+    let is_deep = d == 2 && sides.any(|side| matches!(side, Side::Front | Side::Back));
+    let key = if is_one { "side" } else { "sides" };
+    is_deep.then(|| {
+        Fault::at(document.value(table, key), "a flat body has no front and no back")
+            .label("not in two dimensions")
+            .help("its sides are left, right, bottom and top")
+    })
+}
+
 /// The faults of a boundary in two dimensions that needs a third one.
 fn flat_boundary(
     boundary: &file::Boundary,
@@ -119,14 +146,7 @@ fn flat_boundary(
     if d != 2 {
         return;
     }
-    if boundary.all_sides().any(|side| matches!(side, Side::Front | Side::Back)) {
-        let key = if boundary.side.is_some() { "side" } else { "sides" };
-        faults.push(
-            Fault::at(document.value(table, key), "a flat body has no front and no back")
-                .label("not in two dimensions")
-                .help("its sides are left, right, bottom and top"),
-        );
-    }
+    faults.extend(flat_sides(boundary.all_sides(), boundary.side.is_some(), d, (document, table)));
     if boundary.fixed.is_some_and(|fixed| fixed.axes()[2]) {
         faults.push(
             Fault::at(document.value(table, "fixed"), "a flat body cannot be held along z")

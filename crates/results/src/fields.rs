@@ -24,7 +24,7 @@ mod values;
 
 pub use field::Field;
 pub use place::Place;
-pub use quantity::{Quantity, QuantityValues, Span};
+pub use quantity::{LiquidIn, Quantity, QuantityValues, Span};
 pub use range::Range;
 pub use table::QUANTITIES;
 

@@ -61,7 +61,7 @@ mod space;
 mod overview;
 pub mod page;
 
-pub use fields::{Field, Place, QUANTITIES, Quantity, QuantityValues, Range, Span};
+pub use fields::{Field, LiquidIn, Place, QUANTITIES, Quantity, QuantityValues, Range, Span};
 pub use overview::{BodyGroup, ModelDrawing, ModelMark, ModelPoint};
 pub use page::run::MOST_FRAMES;
 pub use page::run::flat::{MOST_ELEMENTS, Report, SAMPLE};

@@ -111,7 +111,7 @@
 //! | initial stress in contacts and at absorbing edges | `src/actions/seams.rs`, `src/actions/ground.rs` |
 //! | contact forces and reactions of results | `src/forces.rs` |
 //! | how near a stress is to its strength | `src/exposure.rs` |
-//! | probes: means of stress, strain and velocity, gauges, forces between bodies, joint sets, fluid, spheres, walls | `src/probe.rs` and the files in `src/probe` |
+//! | probes: means of stress, strain and velocity, gauges, forces between bodies, joint sets, fluid, pores, spheres, walls | `src/probe.rs` and the files in `src/probe` |
 //! | forecast of a run on many ranks: shares, messages, memory | `src/ranks/forecast.rs` |
 //! | many ranks: messages of a step, division of the work | `src/peers.rs` and `src/ranks/links.rs`, `src/ranks/spread.rs` |
 //! | refused models | `src/checks.rs`, `src/error.rs` |

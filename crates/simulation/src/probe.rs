@@ -1,11 +1,12 @@
 //! Probes: means of stress, strain and velocity, strain gauges, forces between bodies, reactions, joint sets,
-//! rigid bodies, fluid, spheres and walls.
+//! rigid bodies, fluid, liquid in pores, spheres and walls.
 //!
 //! A probe is a short list of exact sums over the counted elements of a rank, and a rule that turns them into
 //! values. Ranks add their sums up before the rule, so that neither ranks nor threads change a bit.
 
 mod fluid;
 pub(crate) mod joints;
+mod pores;
 mod spheres;
 pub(crate) mod touching;
 
@@ -139,6 +140,17 @@ pub enum Probe<const D: usize = 2, const N: usize = 3> {
     /// Pressure, Pa, rate, m³/s, and injected volume, m³, of the source of the fluid with this name. The
     /// values are not numbers if there is no such source.
     Injection(String),
+    /// Pressure of the liquid in pores at a point, linear within its element, Pa. The value is not a number
+    /// if the element has no pores.
+    PorePressure(MaterialPoint<D, N>),
+    /// The liquid in pores as a whole: volumes at the reference density, m³, that were there at the
+    /// beginning, have come in through all surfaces, have come out of cracks, and are stored; and the error
+    /// of their balance. Zero is the content of the undeformed body without pressure. The values are those at
+    /// the last step of the flow, and not numbers without pores.
+    Pores,
+    /// Volume that has come in through the surface of pores with this name, m³. The value is not a number if
+    /// there is no such surface.
+    PoreSurface(String),
     /// Mean opening and slip now, m, and mean normal and shear stress at the beginning of the last step, Pa,
     /// tension positive, of the joints of the set with this name, weighted by their undeformed length or
     /// area.
@@ -198,6 +210,9 @@ where
             }
             Self::Fluid => fluid::COLUMNS[D - 2].to_vec(),
             Self::Injection(_) => fluid::OF_SOURCE.to_vec(),
+            Self::PorePressure(_) => pores::AT_POINT.to_vec(),
+            Self::Pores => pores::COLUMNS.to_vec(),
+            Self::PoreSurface(_) => pores::OF_SURFACE.to_vec(),
             Self::JointSet(_) => joints::COLUMNS.to_vec(),
             Self::Softening => SOFTENING[D - 2].to_vec(),
             Self::Wall { .. } => spheres::WALL.to_vec(),
@@ -231,6 +246,9 @@ where
             Self::Cavity(name) => Self::Cavity(name.clone()),
             Self::Fluid => Self::Fluid,
             Self::Injection(name) => Self::Injection(name.clone()),
+            Self::PorePressure(at) => Self::PorePressure(point(at)),
+            Self::Pores => Self::Pores,
+            Self::PoreSurface(name) => Self::PoreSurface(name.clone()),
             Self::JointSet(name) => Self::JointSet(name.clone()),
             Self::Softening => Self::Softening,
             Self::ForceOfSpheres(_) | Self::Wall { .. } | Self::Spheres { .. } => self.clone(),
@@ -243,7 +261,7 @@ where
     /// Whether it is at a point that is not in the mesh.
     fn is_gone(&self) -> bool {
         match self {
-            Self::PointVelocity(point) => point.element == NONE,
+            Self::PointVelocity(point) | Self::PorePressure(point) => point.element == NONE,
             Self::Gauge { ends, .. } => ends.iter().any(|point| point.element == NONE),
             _ => false,
         }
@@ -268,6 +286,9 @@ where
             | Self::RigidBody(_)
             | Self::Fluid
             | Self::Injection(_)
+            | Self::PorePressure(_)
+            | Self::Pores
+            | Self::PoreSurface(_)
             | Self::Softening => false,
         }
     }
@@ -287,6 +308,10 @@ where
             // The last counts the fluids, and the sources of this name.
             Self::Fluid => fluid::COLUMNS[D - 2].len() + 1,
             Self::Injection(_) => fluid::OF_SOURCE.len() + 1,
+            // The last counts the points in pores, the pores, and the surfaces of this name.
+            Self::PorePressure(_) => pores::AT_POINT.len() + 1,
+            Self::Pores => pores::COLUMNS.len() + 1,
+            Self::PoreSurface(_) => pores::OF_SURFACE.len() + 1,
             // The last is that of the lengths or areas.
             Self::JointSet(_) => 5,
             Self::Softening => 2,
@@ -326,6 +351,9 @@ where
             Self::Cavity(_) => (0..5).map(mean).collect(),
             Self::Fluid => (0..fluid::COLUMNS[D - 2].len()).map(mean).collect(),
             Self::Injection(_) => (0..fluid::OF_SOURCE.len()).map(mean).collect(),
+            Self::PorePressure(_) => (0..pores::AT_POINT.len()).map(mean).collect(),
+            Self::Pores => (0..pores::COLUMNS.len()).map(mean).collect(),
+            Self::PoreSurface(_) => (0..pores::OF_SURFACE.len()).map(mean).collect(),
             Self::JointSet(_) => (0..4).map(mean).collect(),
             Self::Wall { .. } => (0..spheres::WALL.len()).map(mean).collect(),
             Self::Spheres { .. } => spheres::means(&sums),
@@ -420,6 +448,9 @@ where
             }
             Probe::Fluid => self.visit_fluid(|terms| add(terms, 1.0)),
             Probe::Injection(name) => self.visit_injection(name, |terms| add(terms, 1.0)),
+            Probe::PorePressure(point) => self.visit_pore_pressure(point, |terms| add(terms, 1.0)),
+            Probe::Pores => self.visit_pores(|terms| add(terms, 1.0)),
+            Probe::PoreSurface(name) => self.visit_pore_surface(name, |terms| add(terms, 1.0)),
             Probe::Softening => self.damaged_lengths(|lengths| add(&lengths, 1.0)),
             Probe::JointSet(name) => self.each_joint_of(name, |terms| add(&terms, 1.0)),
             Probe::Wall { wall } => self.visit_wall(*wall, |terms| add(terms, 1.0)),
@@ -536,6 +567,9 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
             Self::ForceOfSpheres([by, on]) => (13_u8, (by.parts(), on.parts())).put(out),
             Self::Fluid => 14_u8.put(out),
             Self::Injection(name) => (15_u8, name.clone()).put(out),
+            Self::PorePressure(point) => (16_u8, *point).put(out),
+            Self::Pores => 17_u8.put(out),
+            Self::PoreSurface(name) => (18_u8, name.clone()).put(out),
         }
     }
 
@@ -562,6 +596,9 @@ impl<const D: usize, const N: usize> Wire for Probe<D, N> {
             }
             14 => Self::Fluid,
             15 => Self::Injection(String::take(bytes)),
+            16 => Self::PorePressure(MaterialPoint::take(bytes)),
+            17 => Self::Pores,
+            18 => Self::PoreSurface(String::take(bytes)),
             _ => {
                 let corners = Vec::<f64>::take(bytes);
                 let corner = |first: usize| std::array::from_fn(|axis| corners[first + axis]);

@@ -52,6 +52,9 @@ pub struct Snapshot<const D: usize = 2, const N: usize = 3> {
     pub spheres: SphereColumns,
     /// The joints that fluid can enter, by ascending elements; `None` without a fluid.
     pub fluid: Option<Vec<WetJoint>>,
+    /// Pressure of the liquid in the pores at each node, Pa; `None` at a node of the mesh that no element
+    /// with pores has. `None` as a whole without pores.
+    pub pore_pressures: Option<Vec<Option<f64>>>,
 }
 
 /// A joint that fluid can enter: a cell of the fluid.
@@ -88,6 +91,7 @@ impl<const D: usize, const N: usize> Default for Snapshot<D, N> {
             laws: Vec::new(),
             spheres: SphereColumns::default(),
             fluid: None,
+            pore_pressures: None,
         }
     }
 }

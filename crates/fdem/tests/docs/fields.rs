@@ -11,7 +11,7 @@ const PLACES: [(&str, Place, &str); 7] = [
     (
         "Nodes",
         Place::Node,
-        "Values of a node. Pictures colour an element by the magnitude of the mean over its nodes.",
+        "Values of a node. Pictures colour an element by the mean over its nodes, of a vector by its magnitude.",
     ),
     (
         "Joints",

@@ -67,9 +67,17 @@ pub(crate) fn of(file: &ModelFile, load: &mut Load<'_>) -> u8 {
     };
     let boundaries = || file.boundary.iter().any(is_in_space);
     let injections = || file.injection.iter().any(|of| of.at.as_ref().is_some_and(|at| at.0.len() == 3));
-    let in_space = || (boundaries() || injections()).then_some(3);
+    let surfaces = || file.pore_surface.iter().any(is_surface_in_space);
+    let in_space = || (boundaries() || injections() || surfaces()).then_some(3);
     let said = file.model.dimensions.filter(|said| [2, 3].contains(said));
     said.or_else(told).or_else(vectors).or_else(&mut from_files).or_else(in_space).unwrap_or(2)
+}
+
+/// Whether a surface of pores can only be meant for three dimensions.
+fn is_surface_in_space(surface: &file::PoreSurface) -> bool {
+    surface.all_sides().any(|side| matches!(side, Side::Front | Side::Back))
+        || surface.limits.as_ref().is_some_and(|limits| limits.len() == 6)
+        || surface.at.as_ref().is_some_and(|at| at.0.len() == 3)
 }
 
 /// Whether a boundary can only be meant for three dimensions.

@@ -217,6 +217,14 @@ impl<const D: usize> Bonds<D> {
         for source in model.fluid.iter_mut().flat_map(|fluid| &mut fluid.sources) {
             source.facets.iter_mut().for_each(|facet| *facet = facet.map(first));
         }
+        for surface in model.pores.iter_mut().flat_map(|pores| &mut pores.surfaces) {
+            match &mut surface.target {
+                Target::Nodes(nodes) => nodes.iter_mut().for_each(|node| *node = first(*node)),
+                Target::Facets(facets) | Target::Held(facets, _) => {
+                    facets.iter_mut().for_each(|facet| *facet = facet.map(first));
+                }
+            }
+        }
         for (set, pairs, facets) in &self.sets {
             let facets: Vec<[u32; D]> = facets.iter().map(|facet| facet.map(first)).collect();
             let corners = |facet: &[u32; D]| facet.map(|node| model.mesh.nodes[node as usize]);

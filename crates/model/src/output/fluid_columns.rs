@@ -1,4 +1,5 @@
-//! Columns of the fluid, which the history of a model with a fluid has in any case.
+//! Columns of the fluid in cracks and of the liquid in pores, which the history of a model with them has in
+//! any case.
 
 use fdem_simulation::Probe;
 
@@ -8,17 +9,27 @@ use crate::text::file::{self, ModelFile};
 /// Name of the history of the fluid as a whole.
 pub(crate) const FLUID: &str = "fluid";
 
-/// Adds the histories of the fluid as a whole and of each injection, if there is a fluid.
+/// Name of the history of the liquid in pores as a whole.
+pub(crate) const PORES: &str = "pores";
+
+/// Adds the histories of the fluid as a whole and of each injection, if there is a fluid, and of the liquid
+/// in pores and of each of their surfaces, if there is one.
 pub(crate) fn add<const D: usize, const N: usize>(
     file: &ModelFile,
     histories: &mut Vec<PreparedHistory>,
     probes: &mut Vec<Probe<D, N>>,
 ) {
-    if file.fluid.is_none() {
-        return;
+    let mut all = Vec::new();
+    if file.fluid.is_some() {
+        all.push((FLUID, Probe::Fluid));
+        all.extend(file.injection.iter().map(|of| (of.name.as_str(), Probe::Injection(of.name.clone()))));
     }
-    let injections = file.injection.iter().map(|of| (of.name.as_str(), Probe::Injection(of.name.clone())));
-    for (name, probe) in std::iter::once((FLUID, Probe::Fluid)).chain(injections) {
+    if file.pores.is_some() {
+        all.push((PORES, Probe::Pores));
+        let surfaces = file.pore_surface.iter();
+        all.extend(surfaces.map(|of| (of.name.as_str(), Probe::PoreSurface(of.name.clone()))));
+    }
+    for (name, probe) in all {
         histories.push(PreparedHistory { name: name.to_owned(), quantity: Quantity::Probe(probes.len()) });
         probes.push(probe);
     }

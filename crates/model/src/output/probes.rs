@@ -20,6 +20,7 @@ pub(crate) fn quantities(history: &History) -> Vec<&'static str> {
         ("stress", history.stress.is_some()),
         ("strain", history.strain.is_some()),
         ("velocity", history.velocity.is_some()),
+        ("pore_pressure", history.pore_pressure.is_some()),
         ("gauge", history.gauge.is_some()),
         ("contact_force", history.contact_force.is_some()),
         ("reaction", history.reaction.is_some()),
@@ -46,7 +47,7 @@ pub(crate) fn is_probe(history: &History) -> bool {
 
 /// Whether the key `body` restricts a probe.
 pub(crate) fn takes_body(history: &History) -> bool {
-    let keys = ["stress", "strain", "velocity", "gauge", "reaction"];
+    let keys = ["stress", "strain", "velocity", "pore_pressure", "gauge", "reaction"];
     quantities(history).first().is_some_and(|key| keys.contains(key))
 }
 
@@ -63,6 +64,7 @@ pub(crate) fn lengths(history: &History, d: usize) -> Vec<(&'static str, usize, 
     if let Some((key, Measured::Point(point))) = measured(history) {
         lengths.push((key, point.0.len(), d));
     }
+    lengths.extend(history.pore_pressure.as_ref().map(|point| ("pore_pressure", point.0.len(), d)));
     if let Some(wrong) = history.gauge.iter().flatten().find(|point| point.0.len() != d) {
         lengths.push(("gauge", wrong.0.len(), d));
     }
@@ -112,6 +114,16 @@ pub(crate) fn check(file: &ModelFile, index: usize, document: &Document<'_>, fau
             Fault::at(document.value(table, "wall"), format!("there is no wall \"{name}\""))
                 .label("unknown wall")
                 .help(suggestion(name, &names, "[[wall]]")),
+        );
+    }
+    if history.pore_pressure.is_some() && file.pores.is_none() {
+        faults.push(
+            Fault::at(
+                document.key(table, "pore_pressure"),
+                format!("[[history]] \"{}\": there is no liquid in pores", history.name),
+            )
+            .label("no [pores]")
+            .help("add a table [pores], or take it out"),
         );
     }
     if history.grains && !file.has_spheres() {
@@ -225,6 +237,9 @@ where
                 (_, Measured::Mean(_)) => Probe::Velocity(self.elements()?),
             });
         }
+        if let Some(point) = &history.pore_pressure {
+            return Ok(Probe::PorePressure(self.point_in_pores(point.components())?));
+        }
         if let Some([one, other]) = history.gauge.as_deref() {
             let ends: [[f64; D]; 2] = [one.components(), other.components()];
             let span = (0..D).map(|axis| ends[1][axis] - ends[0][axis]).collect();
@@ -281,6 +296,26 @@ where
             });
             let place = if self.history.body.is_some() { "the body" } else { "all bodies" };
             (key, format!("the point {point:?} is outside of {place}"), nearest)
+        })
+    }
+
+    /// The point of the elements with pores at some coordinates, m.
+    fn point_in_pores(&self, point: [f64; D]) -> Result<MaterialPoint<D, N>, ProbeFault> {
+        let (key, mesh) = ("pore_pressure", self.mesh);
+        let has_pores =
+            |element: u32| self.file.material[mesh.materials[element as usize] as usize].pores.is_some();
+        let found = self.point(key, point)?;
+        if has_pores(found.element) {
+            return Ok(found);
+        }
+        // On the facet or the corner of two elements it belongs to the one with pores.
+        let among = |element: u32| {
+            self.bodies.binary_search(&(mesh.bodies[element as usize] as usize)).is_ok() && has_pores(element)
+        };
+        let on_facet = MaterialPoint::at(mesh, point, among);
+        on_facet.filter(|found| found.weights.iter().all(|weight| *weight > -1e-9)).ok_or_else(|| {
+            let help = "take a point in a body whose [[material]] has \"pores\"".to_owned();
+            (key, format!("there are no pores at the point {point:?}"), Some(help))
         })
     }
 

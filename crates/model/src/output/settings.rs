@@ -1,6 +1,6 @@
 //! Settings of the output, and quantities to record over time.
 
-use fdem_results::{Field, MOST_ELEMENTS, SAMPLE};
+use fdem_results::{Field, LiquidIn, MOST_ELEMENTS, SAMPLE};
 
 use crate::output::{coarse, fluid_columns, probes};
 use crate::prepared::{Checkpoint, OutputSettings, PreparedHistory, Quantity};
@@ -80,7 +80,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                     format!("[[history]] \"{}\" is of one quantity", history.name),
                 )
                 .label("this history")
-                .help("give it one of node = [x, y] or [x, y, z], force = \"name of a boundary\", stress, strain or velocity = [x, y] or \"mean\", gauge = [[x, y], [x, y]], contact_force = [\"body\", \"body\"], reaction = \"group\", cavity = \"boundary\", joint_set = \"joint set\", motion = \"rigid body\", wall = \"wall\", grains = true, softening = true, energy = true, crack_length = true"),
+                .help("give it one of node = [x, y] or [x, y, z], force = \"name of a boundary\", stress, strain or velocity = [x, y] or \"mean\", pore_pressure = [x, y], gauge = [[x, y], [x, y]], contact_force = [\"body\", \"body\"], reaction = \"group\", cavity = \"boundary\", joint_set = \"joint set\", motion = \"rigid body\", wall = \"wall\", grains = true, softening = true, energy = true, crack_length = true"),
             );
         }
         if let Some(name) = &history.body {
@@ -88,7 +88,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
                 faults.push(
                     Fault::at(
                         document.key(table, "body"),
-                        "\"body\" goes with node, stress, strain, velocity, gauge and reaction",
+                        "\"body\" goes with node, stress, strain, velocity, pore_pressure, gauge and reaction",
                     )
                     .label("take it out"),
                 );
@@ -113,7 +113,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
     }
 }
 
-/// Reports fields of a fluid where there is none.
+/// Reports fields of a liquid where there is none.
 fn check_fields(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
     let output = &file.output;
     let animated = match output.animate {
@@ -121,13 +121,17 @@ fn check_fields(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Faul
         _ => None,
     };
     let drawn = output.fields.iter().flatten().map(|field| ("fields", *field)).chain(animated);
-    let of_fluid = drawn.filter(|(_, field)| field.quantity().of_fluid && file.fluid.is_none());
-    for (key, field) in of_fluid {
-        let message = format!("[output] {key} has \"{}\", and there is no fluid", field.key());
+    for (key, field) in drawn {
+        let (what, table) = match field.quantity().liquid {
+            Some(LiquidIn::Cracks) if file.fluid.is_none() => ("fluid", "[fluid]"),
+            Some(LiquidIn::Pores) if file.pores.is_none() => ("liquid in pores", "[pores]"),
+            _ => continue,
+        };
+        let message = format!("[output] {key} has \"{}\", and there is no {what}", field.key());
         faults.push(
             Fault::at(document.value(Table::one("output"), key), message)
-                .label("no [fluid]")
-                .help("add a table [fluid], or take the field out"),
+                .label(format!("no {table}"))
+                .help(format!("add a table {table}, or take the field out")),
         );
     }
 }

@@ -2,20 +2,18 @@
 
 use std::collections::BTreeSet;
 
-use fdem_mesh::{Mesh, bounds};
+use fdem_mesh::Mesh;
 use fdem_simulation::{Boundary, Load, Target};
 
 use crate::bodies::dimensions::Dimensions;
 use crate::shapes::placed::{self, Placed, is_piece};
 use crate::stages::cavities;
+use crate::stages::places::{Place, Region};
 use crate::stages::schedules::Factor;
 use crate::text::document::{Document, Table};
-use crate::text::fault::{Fault, suggestion};
-use crate::text::file::{self, Component, ModelFile, Side};
+use crate::text::fault::Fault;
+use crate::text::file::{self, Component, ModelFile};
 use crate::text::included;
-
-/// Largest distance of nodes of one side from its outermost node, over the extent of the bodies.
-const SIDE: f64 = 1e-6;
 
 /// Checks boundaries before anything is meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
@@ -150,7 +148,12 @@ where
             );
             continue;
         }
-        let place = Place { boundary, mesh, placed, bodies: &bodies };
+        let region = Region {
+            sides: boundary.all_sides().collect(),
+            limits: boundary.limits.as_deref(),
+            group: boundary.group.as_deref(),
+        };
+        let place = Place { region, mesh, placed, bodies: &bodies };
         if let Err(help) = place.check_group() {
             let group = boundary.group.as_deref().unwrap_or("");
             faults.push(
@@ -187,7 +190,7 @@ where
         // Boundaries that act in different stages do not meet.
         let meets = |other: &&Boundary<D>| {
             let other = file.boundary.iter().find(|of_file| of_file.name == other.name);
-            other.is_none_or(|other| act_together(boundary, other))
+            other.is_none_or(|other| act_together(boundary.stages.as_deref(), other.stages.as_deref()))
         };
         if let Some((other, node, axis)) = prescribed_twice(&boundaries.iter().filter(meets), load, &target) {
             let axis = ["x", "y", "z"][axis];
@@ -215,9 +218,9 @@ where
     boundaries
 }
 
-/// Whether two boundaries act in one stage.
-fn act_together(one: &file::Boundary, other: &file::Boundary) -> bool {
-    match (&one.stages, &other.stages) {
+/// Whether there is a stage in which both act, by the names of the stages in which each does.
+pub(crate) fn act_together(one: Option<&[String]>, other: Option<&[String]>) -> bool {
+    match (one, other) {
         (Some(one), Some(other)) => one.iter().any(|stage| other.contains(stage)),
         _ => true,
     }
@@ -251,101 +254,6 @@ fn prescribed_twice<'a, const D: usize>(
         }
     }
     None
-}
-
-/// The place where a boundary acts.
-struct Place<'a, const D: usize, const N: usize> {
-    boundary: &'a file::Boundary,
-    mesh: &'a Mesh<D, N>,
-    placed: &'a [Placed<D, N>],
-    /// Numbers of the bodies that it may act on.
-    bodies: &'a [usize],
-}
-
-impl<const D: usize, const N: usize> Place<'_, D, N>
-where
-    [[f64; D]; N]: Dimensions<D, N>,
-{
-    /// Checks that a body has the group; the error is advice.
-    fn check_group(&self) -> Result<(), String> {
-        let Some(group) = &self.boundary.group else { return Ok(()) };
-        let mut names: Vec<&str> = Vec::new();
-        for &body in self.bodies {
-            let piece = &self.placed[body].piece;
-            names.extend(piece.groups.keys().map(String::as_str));
-        }
-        names.sort_unstable();
-        names.dedup();
-        if names.contains(&group.as_str()) { Ok(()) } else { Err(suggestion(group, &names, "group")) }
-    }
-
-    fn nodes(&self) -> Vec<u32> {
-        let mut nodes = Vec::new();
-        for &body in self.bodies {
-            let Placed { piece, first, .. } = &self.placed[body];
-            match &self.boundary.group {
-                None => nodes.extend((0..piece.nodes.len() as u32).map(|node| node + first[0])),
-                Some(name) => {
-                    let found = piece.groups.get(name).map(|group| piece.nodes_of(group)).unwrap_or_default();
-                    nodes.extend(found.into_iter().map(|node| node + first[0]));
-                }
-            }
-        }
-        let boxes = self.boxes();
-        nodes.retain(|&node| boxes.iter().any(|&limits| within(self.mesh.nodes[node as usize], limits)));
-        nodes
-    }
-
-    fn facets(&self) -> Vec<[u32; D]> {
-        let mut facets = Vec::new();
-        for &body in self.bodies {
-            let Placed { piece, first, .. } = &self.placed[body];
-            let found = match &self.boundary.group {
-                None => piece.outline.clone(),
-                Some(name) => piece.groups.get(name).map(|group| piece.facets_of(group)).unwrap_or_default(),
-            };
-            facets.extend(found.into_iter().map(|facet| facet.map(|node| node + first[0])));
-        }
-        let boxes = self.boxes();
-        let is_in = |facet: &[u32; D], limits| {
-            facet.iter().all(|&node| within(self.mesh.nodes[node as usize], limits))
-        };
-        facets.retain(|facet| boxes.iter().any(|&limits| is_in(facet, limits)));
-        facets
-    }
-
-    /// The boxes of which nodes have to be in one.
-    fn boxes(&self) -> Vec<[[f64; D]; 2]> {
-        let everywhere = [[f64::NEG_INFINITY; D], [f64::INFINITY; D]];
-        if let Some(given) = &self.boundary.limits {
-            let (least, most) = given.split_at(given.len() / 2);
-            let [low, high] = everywhere;
-            return vec![[least.try_into().unwrap_or(low), most.try_into().unwrap_or(high)]];
-        }
-        if self.boundary.all_sides().next().is_none() {
-            return vec![everywhere];
-        }
-        let points = self.bodies.iter().flat_map(|&body| self.placed[body].piece.nodes.iter().copied());
-        let [low, high] = bounds(points);
-        let reach = SIDE * (0..D).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-        let of_side = |side| {
-            let mut limits = everywhere;
-            match side {
-                Side::Left => limits[1][0] = low[0] + reach,
-                Side::Right => limits[0][0] = high[0] - reach,
-                Side::Front => limits[1][1] = low[1] + reach,
-                Side::Back => limits[0][1] = high[1] - reach,
-                Side::Bottom => limits[1][D - 1] = low[D - 1] + reach,
-                Side::Top => limits[0][D - 1] = high[D - 1] - reach,
-            }
-            limits
-        };
-        self.boundary.all_sides().map(of_side).collect()
-    }
-}
-
-fn within<const D: usize>(point: [f64; D], [low, high]: [[f64; D]; 2]) -> bool {
-    (0..D).all(|axis| low[axis] <= point[axis] && point[axis] <= high[axis])
 }
 
 fn load<const D: usize>(boundary: &file::Boundary) -> Option<Load<D>> {

@@ -70,12 +70,13 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
             );
         }
         check_name(file, document, index, faults);
-        check_stages(file, document, index, faults);
+        let stages = Times { table, title: &title, stages: injection.stages.as_deref(), begin: "[fluid]" };
+        stages.check(file, fluid::first_stage(file), document, faults);
     }
 }
 
 /// The keys that are given.
-fn given<const K: usize>(all: [(&'static str, bool); K]) -> Vec<&'static str> {
+pub(crate) fn given<const K: usize>(all: [(&'static str, bool); K]) -> Vec<&'static str> {
     all.into_iter().filter(|(_, given)| *given).map(|(key, _)| key).collect()
 }
 
@@ -93,35 +94,47 @@ fn check_name(file: &ModelFile, document: &Document<'_>, index: usize, faults: &
     faults.push(Fault::at(span, message).label("again").help("give it another name"));
 }
 
-/// Reports unknown stages, and those in which there is no fluid.
-fn check_stages(file: &ModelFile, document: &Document<'_>, index: usize, faults: &mut Vec<Fault>) {
-    let (injection, table) = (&file.injection[index], Table::of("injection", index));
-    let names: Vec<&str> = file.stage.iter().map(|stage| stage.name.as_str()).collect();
-    for (entry, name) in injection.stages.iter().flatten().enumerate() {
-        let span = document.entry(table, "stages", entry);
-        match names.iter().position(|stage| stage == name) {
-            None => faults.push(
-                Fault::at(span, format!("there is no stage \"{name}\""))
-                    .label("unknown stage")
-                    .help(suggestion(name, &names, "[[stage]]")),
-            ),
-            Some(stage) if fluid::first_stage(file).is_some_and(|first| stage < first) => faults.push(
-                Fault::at(
-                    span,
-                    format!(
-                        "[[injection]] \"{}\": there is no fluid in the stage \"{name}\"",
-                        injection.name
-                    ),
-                )
-                .label("before the fluid")
-                .help("name a later stage, or an earlier one in from_stage of [fluid]"),
-            ),
-            Some(_) => {}
+/// The stages in which an injection or a surface of pores acts.
+pub(crate) struct Times<'a> {
+    pub(crate) table: Table,
+    /// "[[injection]] "name"".
+    pub(crate) title: &'a str,
+    pub(crate) stages: Option<&'a [String]>,
+    /// The table whose `from_stage` says where it can begin: "[fluid]".
+    pub(crate) begin: &'static str,
+}
+
+impl Times<'_> {
+    /// Reports unknown stages, and those before the `first` one in which it can act.
+    pub(crate) fn check(
+        &self,
+        file: &ModelFile,
+        first: Option<usize>,
+        document: &Document<'_>,
+        faults: &mut Vec<Fault>,
+    ) {
+        let &Self { table, title, stages, begin } = self;
+        let names: Vec<&str> = file.stage.iter().map(|stage| stage.name.as_str()).collect();
+        for (entry, name) in stages.iter().copied().flatten().enumerate() {
+            let span = document.entry(table, "stages", entry);
+            match names.iter().position(|stage| stage == name) {
+                None => faults.push(
+                    Fault::at(span, format!("there is no stage \"{name}\""))
+                        .label("unknown stage")
+                        .help(suggestion(name, &names, "[[stage]]")),
+                ),
+                Some(stage) if first.is_some_and(|first| stage < first) => faults.push(
+                    Fault::at(span, format!("{title}: {begin} begins after the stage \"{name}\""))
+                        .label("too early")
+                        .help(format!("name a later stage, or an earlier one in from_stage of {begin}")),
+                ),
+                Some(_) => {}
+            }
         }
-    }
-    if injection.stages.as_ref().is_some_and(Vec::is_empty) {
-        let message = format!("[[injection]] \"{}\" pumps in no stage", injection.name);
-        faults.push(Fault::at(document.value(table, "stages"), message).label("empty"));
+        if stages.is_some_and(<[_]>::is_empty) {
+            let message = format!("{title} acts in no stage");
+            faults.push(Fault::at(document.value(table, "stages"), message).label("empty"));
+        }
     }
 }
 
@@ -350,7 +363,7 @@ fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
 }
 
 /// A value times a factor in time.
-fn times(schedule: &Schedule, value: f64) -> FluidSchedule {
+pub(crate) fn times(schedule: &Schedule, value: f64) -> FluidSchedule {
     let rows = rows(schedule);
     let values = rows.iter().map(|[_, factor]| value * factor).collect();
     FluidSchedule::table(rows.iter().map(|[time, _]| *time).collect(), values)

@@ -8,6 +8,7 @@ use std::ops::Range;
 use fdem_simulation::{Boundary, Load, ModelError, Schedule, Simulation, Subset, Target};
 
 use crate::prepared::{Entered, Prepared, PreparedBody, PreparedServo, PreparedStage, Quantity};
+use crate::stages::pores;
 
 /// The parts of a model that are present in a stage.
 #[derive(Debug)]
@@ -94,8 +95,19 @@ where
             let start = self.start(entered, step, is_on);
             source.drive = source.drive.take().filter(|_| is_on(stage)).map(|drive| drive.later(start));
         }
+        model.pores = model.pores.filter(|_| stage.pore_surfaces.is_some());
+        let surfaces = model.pores.iter_mut().flat_map(|pores| &mut pores.surfaces);
+        for (number, surface) in surfaces.enumerate() {
+            let is_on = |stage: &PreparedStage| stage.pore_surfaces.as_ref().is_some_and(|on| on[number]);
+            let drive = std::mem::replace(&mut surface.drive, pores::sealed());
+            if is_on(stage) {
+                surface.drive = drive.later(self.start(entered, step, is_on));
+            }
+        }
         model.boundaries.extend(entered.held.iter().cloned());
-        let Subset { model, elements, nodes } = model.keeping(&stage.elements)?;
+        let Subset { mut model, elements, nodes } = model.keeping(&stage.elements)?;
+        // Surfaces come and go with their bodies.
+        pores::settle(&mut model);
         let range = |range: &Range<u32>, numbers: &dyn Fn(u32) -> Option<u32>| {
             let mut left = range.clone().filter_map(numbers);
             let first = left.next();

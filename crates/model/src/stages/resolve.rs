@@ -9,7 +9,7 @@ use fdem_simulation::Schedule;
 use crate::bodies::materials;
 use crate::prepared::PreparedStage;
 use crate::shapes::placed::{self, Placed};
-use crate::stages::fluid;
+use crate::stages::{fluid, pores};
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, suggestion};
 use crate::text::file::{self, ModelFile, Release};
@@ -343,6 +343,7 @@ pub(crate) fn resolve<const D: usize, const N: usize>(
             materials: if changes { of_elements.clone() } else { Vec::new() },
             boundaries: file.boundary.iter().map(acts).collect(),
             injections: fluid::pumps(file, index),
+            pore_surfaces: pores::act(file, index),
             release: stage.release.as_ref().map(|release| match release {
                 Release::Within(time) => Schedule::Table(vec![[0.0, 1.0], [*time, 0.0]]),
                 Release::Table(rows) => Schedule::Table(rows.clone()),

@@ -1,4 +1,4 @@
-//! Factors of boundaries and injections in time: ramps, tables, files with tables, and expressions.
+//! Factors of boundaries, injections and surfaces of pores in time: ramps, tables, files with tables, and expressions.
 
 use fdem_simulation::Schedule;
 
@@ -12,7 +12,7 @@ use crate::text::values;
 /// Intervals of the run in which an expression of the time is replaced by straight lines.
 const INTERVALS: u32 = 4000;
 
-/// The keys of the schedule of a boundary or an injection.
+/// The keys of the schedule of a boundary, an injection or a surface of pores.
 pub(crate) struct Factor<'a> {
     /// "[[boundary]] "name"".
     title: String,
@@ -45,6 +45,18 @@ impl<'a> Factor<'a> {
             rows: injection.table.as_deref(),
             table_file: injection.table_file.as_deref(),
             expression: injection.expression.as_deref(),
+        }
+    }
+
+    /// The keys of a surface of pores, by its number.
+    pub(crate) fn of_pore_surface(surface: &'a file::PoreSurface, index: usize) -> Self {
+        Self {
+            title: format!("[[pore_surface]] \"{}\"", surface.name),
+            table: Table::of("pore_surface", index),
+            ramp: surface.ramp,
+            rows: surface.table.as_deref(),
+            table_file: surface.table_file.as_deref(),
+            expression: surface.expression.as_deref(),
         }
     }
 
@@ -113,13 +125,16 @@ impl<'a> Factor<'a> {
     }
 }
 
-/// Checks the schedules of boundaries and injections before anything is meshed.
+/// Checks the schedules of boundaries, injections and surfaces of pores before anything is meshed.
 pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
     for (index, boundary) in file.boundary.iter().enumerate() {
         Factor::of_boundary(boundary, index).check(document, faults);
     }
     for (index, injection) in file.injection.iter().enumerate() {
         Factor::of_injection(injection, index).check(document, faults);
+    }
+    for (index, surface) in file.pore_surface.iter().enumerate() {
+        Factor::of_pore_surface(surface, index).check(document, faults);
     }
 }
 

@@ -11,6 +11,7 @@ mod grains;
 mod ground;
 mod material;
 mod output;
+mod pores;
 mod principal;
 mod scaling;
 mod stage;
@@ -40,6 +41,7 @@ pub use ground::{Ground, Ratio};
 pub use joint_set::JointSet;
 pub use material::{Interface, Material};
 pub use output::{AcousticEmission, Animate, Coarse, Curve, History, Mean, Measured, Output};
+pub use pores::{MaterialPores, Permeability, PoreSurface, Pores};
 pub use principal::Principal;
 pub use scaling::MassScaling;
 pub use stage::{Release, Stage};
@@ -101,6 +103,12 @@ pub struct ModelFile {
     /// Places where the fluid enters.
     #[serde(default)]
     pub injection: Vec<Injection>,
+    /// Liquid in the pores of materials. Default: none.
+    #[serde(default)]
+    pub pores: Option<Pores>,
+    /// Drained surfaces, flows through surfaces, and wells of the liquid in pores.
+    #[serde(default)]
+    pub pore_surface: Vec<PoreSurface>,
     /// Parts of the run, one after the other. Default: the run is one.
     #[serde(default)]
     pub stage: Vec<Stage>,
@@ -132,7 +140,7 @@ impl ModelFile {
     }
 
     /// The names of all tables.
-    pub(crate) const TABLES: [&str; 21] = [
+    pub(crate) const TABLES: [&str; 23] = [
         "model",
         "body",
         "grains",
@@ -147,6 +155,8 @@ impl ModelFile {
         "boundary",
         "fluid",
         "injection",
+        "pores",
+        "pore_surface",
         "stage",
         "initial",
         "contact",

@@ -15,7 +15,8 @@ use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
 use crate::text::file::{
     Body, Boundary, Curve, Domain, Fluid, General, Grains, History, Initial, Injection, Interface, JointSet,
-    Material, ModelFile, Output, SHAPES, SphereInsertion, SphereOptions, SphereRemoval, Stage, Wall,
+    Material, ModelFile, Output, PoreSurface, Pores, SHAPES, SphereInsertion, SphereOptions, SphereRemoval,
+    Stage, Wall,
 };
 
 /// Represents a name that could not be read. No name in a file can be this: it would have to be written as an
@@ -66,6 +67,9 @@ impl Partial {
         });
         reader.list::<Boundary>(&mut root, "boundary", |_| vec![("fixed", "x".into())]);
         reader.list::<Injection>(&mut root, "injection", |_| vec![("group", "holes".into())]);
+        reader.list::<PoreSurface>(&mut root, "pore_surface", |_| {
+            vec![("side", "top".into()), ("pressure", 0.0.into())]
+        });
         reader.list::<Grains>(&mut root, "grains", |grains| {
             let material = grains.get("material").filter(|name| name.is_str()).cloned();
             vec![("material", material.unwrap_or_else(|| NAMELESS.into()))]
@@ -91,6 +95,7 @@ impl Partial {
         reader.one::<ContactOptions>(&mut root, "contact", &[]);
         reader.one::<FractureOptions>(&mut root, "fracture", &[]);
         reader.one::<Fluid>(&mut root, "fluid", &[]);
+        reader.one::<Pores>(&mut root, "pores", &[]);
         reader.one::<Output>(&mut root, "output", &[]);
         if !root.contains_key("model") {
             root.insert(

@@ -171,8 +171,8 @@ impl Field {
         }
     }
 
-    /// Returns the values of all elements. The value of a vector of nodes is the magnitude of its mean over
-    /// the nodes of the element.
+    /// Returns the values of all elements. The value of nodes is the mean over the nodes of the element, and
+    /// of a vector its magnitude.
     pub(crate) fn values(self, state: &dyn State) -> Vec<f64> {
         let quantity = self.quantity();
         let of_element = |element: usize| match quantity.place {
@@ -181,7 +181,12 @@ impl Field {
                 let sum = |axis: usize| {
                     nodes.iter().map(|&node| quantity.value(state, node as usize, axis)).sum::<f64>()
                 };
-                (0..quantity.width()).map(sum).fold(0.0, f64::hypot) / nodes.len() as f64
+                let total = if quantity.components.is_empty() {
+                    sum(0)
+                } else {
+                    (0..quantity.width()).map(sum).fold(0.0, f64::hypot)
+                };
+                total / nodes.len() as f64
             }
             _ => quantity.value(state, element, 0),
         };
@@ -228,7 +233,7 @@ impl Field {
     pub fn description(self) -> String {
         let &Quantity { about, name, sign, unit, span, place, components, .. } = self.quantity();
         let mut text = match place {
-            Place::Node => format!("the magnitude of the {name}"),
+            Place::Node if !components.is_empty() => format!("the magnitude of the {name}"),
             Place::Sphere if !components.is_empty() => format!("the magnitude of {about}"),
             _ if sign.is_empty() => about.to_owned(),
             _ => format!("{about}, {sign}"),

@@ -34,8 +34,8 @@ pub struct Quantity {
     pub dimensions: Option<usize>,
     /// Whether files for ParaView have it.
     pub in_files: bool,
-    /// Whether only models with a fluid have it.
-    pub of_fluid: bool,
+    /// The liquid without which a model does not have it; `None` if every model has it.
+    pub liquid: Option<LiquidIn>,
     /// How elements are coloured by it; `None` if they are not.
     pub(crate) shown: Option<Shown>,
     pub(crate) value: Value,
@@ -53,10 +53,21 @@ pub enum Span {
     Between(f64, f64),
 }
 
+/// The place of a liquid that a model may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LiquidIn {
+    /// A fluid in cracks and holes.
+    Cracks,
+    /// A liquid in the pores of elements.
+    Pores,
+}
+
 /// How elements are coloured by a quantity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Shown {
-    /// By the value on a scale. An element has the magnitude of the mean over its nodes of a vector of nodes.
+    /// By the value on a scale. An element has the mean over its nodes of a value of nodes, and of a vector
+    /// its magnitude.
     Scale {
         /// Colours from the lowest value to the highest.
         ramp: &'static [Rgb; 17],

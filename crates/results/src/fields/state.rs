@@ -7,6 +7,7 @@ use fdem_simulation::{ContactForce, Crack, Element, Forces, Mode, Snapshot, WetJ
 
 use crate::arrays::each;
 use crate::fields::place::Place;
+use crate::fields::quantity::LiquidIn;
 use crate::fields::sphere_counts::coordination;
 
 /// A snapshot, as the table of fields reads it. Vectors of the plane have a third component of 0. Numbers of
@@ -21,6 +22,8 @@ pub(crate) trait State {
     fn velocity(&self, node: usize) -> [f64; 3];
     /// Force of all boundaries on a node, N.
     fn reaction(&self, node: usize) -> [f64; 3];
+    /// Pressure of the liquid in pores at a node, Pa; not a number without pores there.
+    fn pore_pressure(&self, node: usize) -> f64;
 
     /// Nodes of an element.
     fn corners(&self, element: usize) -> &[u32];
@@ -45,8 +48,8 @@ pub(crate) trait State {
 
     /// Largest pressure of the fluid in the joints of an element, Pa; not a number without fluid there.
     fn fluid_pressure(&self, element: usize) -> f64;
-    /// Whether the model has a fluid.
-    fn has_fluid(&self) -> bool;
+    /// Whether the model has a liquid.
+    fn has_liquid(&self, liquid: LiquidIn) -> bool;
     /// The fluid in a joint; `None` if fluid cannot enter it.
     fn wet_joint(&self, joint: usize) -> Option<&WetJoint>;
 
@@ -168,6 +171,11 @@ where
         self.reactions.get(node).map_or([0.0; 3], |&force| in_space(force))
     }
 
+    fn pore_pressure(&self, node: usize) -> f64 {
+        let all = self.snapshot.pore_pressures.as_ref();
+        all.and_then(|all| *all.get(node)?).unwrap_or(f64::NAN)
+    }
+
     fn corners(&self, element: usize) -> &[u32] {
         &self.snapshot.elements[element]
     }
@@ -211,8 +219,11 @@ where
         pressures.get(element).copied().unwrap_or(f64::NAN)
     }
 
-    fn has_fluid(&self) -> bool {
-        self.snapshot.fluid.is_some()
+    fn has_liquid(&self, liquid: LiquidIn) -> bool {
+        match liquid {
+            LiquidIn::Cracks => self.snapshot.fluid.is_some(),
+            LiquidIn::Pores => self.snapshot.pore_pressures.is_some(),
+        }
     }
 
     fn wet_joint(&self, joint: usize) -> Option<&WetJoint> {

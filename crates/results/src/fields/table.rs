@@ -5,7 +5,7 @@ use fdem_simulation::grains::GrainPartner;
 
 use crate::fields::colours::SIGNED;
 use crate::fields::place::Place;
-use crate::fields::quantity::{Ends, Number, Quantity, Shown, Span, Value};
+use crate::fields::quantity::{Ends, LiquidIn, Number, Quantity, Shown, Span, Value};
 use crate::fields::stress::von_mises;
 use crate::picture::colour::{HEAT, Rgb, SEA};
 
@@ -38,7 +38,7 @@ const OF_ELEMENTS: Quantity = Quantity {
     components: &[],
     dimensions: None,
     in_files: true,
-    of_fluid: false,
+    liquid: None,
     shown: None,
     value: Value::Real(|_, _, _| f64::NAN),
 };
@@ -56,7 +56,7 @@ const OF_NODES: Quantity = Quantity {
 const OF_JOINTS: Quantity = Quantity { place: Place::Joint, ..OF_ELEMENTS };
 
 /// Entries that the rows of fluid in joints share.
-const OF_FLUID: Quantity = Quantity { of_fluid: true, ..OF_JOINTS };
+const OF_FLUID: Quantity = Quantity { liquid: Some(LiquidIn::Cracks), ..OF_JOINTS };
 
 /// Entries that the rows of contacts share.
 const OF_CONTACTS: Quantity = Quantity { place: Place::Contact, ..OF_ELEMENTS };
@@ -101,6 +101,19 @@ pub const QUANTITIES: &[Quantity] = &[
         unit: "N",
         value: Value::Real(|state, node, axis| state.reaction(node)[axis]),
         ..OF_NODES
+    },
+    Quantity {
+        key: "pore_pressure",
+        name: "pressure in pores",
+        about: "the pressure of the liquid in pores; not a number where there are none",
+        unit: "Pa",
+        sign: "compression positive",
+        span: Span::Any,
+        place: Place::Node,
+        liquid: Some(LiquidIn::Pores),
+        shown: Some(Shown::Scale { ramp: &SIGNED, ends: Ends::Symmetric, column: None }),
+        value: Value::Real(|state, node, _| state.pore_pressure(node)),
+        ..OF_ELEMENTS
     },
     Quantity {
         key: "stress",
@@ -217,7 +230,7 @@ pub const QUANTITIES: &[Quantity] = &[
         unit: "Pa",
         sign: "compression positive",
         span: Span::Any,
-        of_fluid: true,
+        liquid: Some(LiquidIn::Cracks),
         // Joints have it.
         in_files: false,
         shown: Some(Shown::Scale { ramp: &SEA, ends: Ends::FromZero, column: None }),
@@ -598,7 +611,7 @@ pub const QUANTITIES: &[Quantity] = &[
 ];
 
 /// Keys of the fields by which elements and spheres are coloured, in the order of menus and lists.
-pub(crate) const SHOWN: [&str; 17] = [
+pub(crate) const SHOWN: [&str; 18] = [
     "max_principal",
     "min_principal",
     "von_mises",
@@ -608,6 +621,7 @@ pub(crate) const SHOWN: [&str; 17] = [
     "displacement",
     "damage",
     "fluid_pressure",
+    "pore_pressure",
     "body",
     "material",
     "spin",

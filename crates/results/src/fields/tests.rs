@@ -6,9 +6,9 @@ use fdem_simulation::{Bedding, Element, Forces, MaterialLaw, Snapshot, Strength}
 
 use crate::fields::colours::NO_VALUE;
 use crate::fields::field::SPHERE_SCALES;
-use crate::fields::state::Instant;
+use crate::fields::state::{Instant, State};
 use crate::fields::table::SHOWN;
-use crate::fields::{Field, Place, QUANTITIES, QuantityValues, Range, Span};
+use crate::fields::{Field, LiquidIn, Place, QUANTITIES, QuantityValues, Range, Span};
 use crate::run::frame::Frame;
 
 /// A snapshot of a triangle, with this stress.
@@ -53,15 +53,11 @@ fn the_fields_that_are_drawn_are_in_menus_and_those_in_menus_are_drawn() {
     let drawn: BTreeSet<&str> = QUANTITIES.iter().filter(|row| row.is_drawn()).map(|row| row.key).collect();
     assert_eq!(BTreeSet::from(SHOWN), drawn);
     assert_eq!(Field::ALL.map(Field::key), SHOWN);
-    // A drawn field of bodies is one number of an element, or a vector of nodes.
+    // A drawn field of bodies is one number of an element or a node, or a vector of nodes.
     let of_spheres = [Place::Sphere, Place::SphereContact];
     for row in QUANTITIES.iter().filter(|row| row.is_drawn() && !of_spheres.contains(&row.place)) {
-        let vector = row.place == Place::Node;
-        assert!(
-            (vector || row.place == Place::Element) && row.components.is_empty() != vector,
-            "{}",
-            row.key
-        );
+        let is_number = row.place == Place::Element && row.components.is_empty();
+        assert!(is_number || row.place == Place::Node, "{}", row.key);
     }
 }
 
@@ -239,4 +235,45 @@ fn without_a_strength_there_is_no_distance_to_failure() {
     let light =
         |value: f64| field.colour(value, range).iter().map(|&channel| u32::from(channel)).sum::<u32>();
     assert!(light(-2.0) == light(0.0) && light(0.0) < light(0.5) && light(0.5) < light(1.0));
+}
+
+/// Pictures show the mean over the nodes of an element, with its sign, and no value where a node has none.
+#[test]
+fn pressures_in_pores_are_those_of_nodes_with_pores() {
+    let row = QUANTITIES.iter().find(|row| row.key == "pore_pressure").unwrap();
+    let with = |pressures: Option<Vec<Option<f64>>>| Snapshot {
+        positions: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]],
+        displacements: vec![[0.0; 2]; 4],
+        velocities: vec![[0.0; 2]; 4],
+        elements: vec![[0, 1, 2], [1, 3, 2]],
+        stresses: vec![[0.0; 6]; 2],
+        damage: vec![0.0; 2],
+        bodies: vec![0; 2],
+        materials: vec![0; 2],
+        fragments: vec![0; 2],
+        pore_pressures: pressures,
+        ..Snapshot::default()
+    };
+    let snapshot = with(Some(vec![Some(3e6), Some(-1e6), Some(-5e6), None]));
+    let QuantityValues::Real(values) = row.values_of(&snapshot, &Forces::default()).unwrap() else {
+        panic!("numbers")
+    };
+    assert_eq!(values[..3], [3e6, -1e6, -5e6]);
+    assert!(values[3].is_nan());
+    let field = Field::named("pore_pressure").unwrap();
+    let [both, none] = field.values(&Instant::of(&snapshot))[..] else { panic!("two elements") };
+    assert!(both == -1e6 && none.is_nan());
+    let frame = Frame::new(&snapshot).unwrap();
+    assert_eq!(Range::of([&frame], field), Range { low: -1e6, high: 1e6 });
+    assert_eq!(field.colour(none, Range::of([&frame], field)), NO_VALUE);
+    assert_eq!(
+        field.description(),
+        "The pressure of the liquid in pores; not a number where there are none, compression positive, Pa."
+    );
+    let short = with(Some(vec![Some(0.0); 3]));
+    let error = row.values_of(&short, &Forces::default()).unwrap_err().to_string();
+    assert_eq!(error, "the snapshot has 3 pressures in pores, where 4 are needed");
+    // Files of a model without pores do not have it.
+    let state = Instant::of(&short);
+    assert!(state.has_liquid(LiquidIn::Pores) && !Instant::of(&with(None)).has_liquid(LiquidIn::Pores));
 }

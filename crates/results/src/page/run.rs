@@ -177,15 +177,15 @@ fn about_field(field: Field, Range { low, high }: Range) -> Value {
     })
 }
 
-/// Returns the fields of elements, in the order of menus: those of a fluid only if a frame has values of
-/// them, or if they are the `selected` one. `scales`: those of each frame.
+/// Returns the fields of elements, in the order of menus: those of a liquid only if a frame has values
+/// of them, or if they are the `selected` one. `scales`: those of each frame.
 fn of_elements<'a>(
     selected: Field,
     scales: impl Iterator<Item = &'a [Scale; SCALES.len()]> + Clone,
 ) -> impl Iterator<Item = Field> {
     let has = move |field: Field| {
         let values = |scales: &[Scale; SCALES.len()]| field.scale().is_some_and(|k| scales[k] != Scale::NONE);
-        !field.quantity().of_fluid || field == selected || scales.clone().any(values)
+        field.quantity().liquid.is_none() || field == selected || scales.clone().any(values)
     };
     Field::ALL.into_iter().filter(move |&field| field.is_of_elements() && has(field))
 }

@@ -24,7 +24,8 @@ pub(crate) fn with_fields_of<'a, const D: usize>(
     state: &'a dyn State,
     owner: &'a dyn Fn(usize) -> usize,
 ) -> Table<'a> {
-    let has = |row: &&Quantity| row.in_files && row.exists_in(D) && (!row.of_fluid || state.has_fluid());
+    let is_there = |row: &Quantity| row.liquid.is_none_or(|liquid| state.has_liquid(liquid));
+    let has = |row: &&Quantity| row.in_files && row.exists_in(D) && is_there(row);
     let rows = QUANTITIES.iter().filter(|row| row.place == place).filter(has);
     rows.fold(table, |table, row| {
         let width = row.width();

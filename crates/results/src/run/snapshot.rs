@@ -105,6 +105,7 @@ pub(crate) fn checked<const D: usize, const N: usize>(
         ("bodies", snapshot.bodies.len(), elements),
         ("materials", snapshot.materials.len(), elements),
         ("fragments", snapshot.fragments.len(), elements),
+        ("pressures in pores", snapshot.pore_pressures.as_ref().map_or(nodes, Vec::len), nodes),
     ] {
         if found != expected {
             return Err(SnapshotError::Length { name, found, expected });

@@ -273,6 +273,8 @@ where
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
             spheres: self.spheres.clone(),
             fluid: self.fluid.clone(),
+            // No model with pores runs on many ranks.
+            pore_pressures: None,
         }
     }
 

@@ -65,7 +65,18 @@ where
             laws: self.model.materials.iter().map(|material| material.law.clone()).collect(),
             spheres: self.spheres_now(),
             fluid: self.wet_joints(),
+            pore_pressures: self.pore_pressures(&order),
         }
+    }
+
+    /// Pressure of the liquid in pores at these nodes; `None` without pores.
+    fn pore_pressures(&self, nodes: &[u32]) -> Option<Vec<Option<f64>>> {
+        let matrix = self.pores()?;
+        let of = |&node: &u32| {
+            let vertex = self.solid().vertex(node as usize) as usize;
+            (matrix.storages()[vertex] > 0.0).then(|| matrix.pressures()[vertex])
+        };
+        Some(nodes.iter().map(of).collect())
     }
 
     /// The joints that fluid can enter now, by ascending elements; `None` without a fluid.

@@ -148,7 +148,7 @@ fn points<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<Mode
         Probe::Stress(elements) | Probe::Strain(elements) | Probe::Velocity(elements) => {
             vec![middle(elements)]
         }
-        Probe::PointVelocity(point) => vec![at(point)],
+        Probe::PointVelocity(point) | Probe::PorePressure(point) => vec![at(point)],
         Probe::Gauge { ends, .. } => ends.iter().map(at).collect(),
         // The picture has their bodies, nodes, boundaries and joints.
         Probe::ContactForce(_)
@@ -157,6 +157,8 @@ fn points<const D: usize, const N: usize>(prepared: &Prepared<D, N>) -> Vec<Mode
         | Probe::Cavity(_)
         | Probe::Fluid
         | Probe::Injection(_)
+        | Probe::Pores
+        | Probe::PoreSurface(_)
         | Probe::JointSet(_)
         | Probe::RigidBody(_)
         | Probe::Wall { .. }

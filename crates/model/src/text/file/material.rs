@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::text::file::pores::MaterialPores;
+
 /// An elastic material. It breaks if it has the five keys `tensile_strength`, `cohesion`, `friction_angle`,
 /// `fracture_energy_i` and `fracture_energy_ii`, and does not break without them or if it is `unbreakable`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
@@ -39,6 +41,11 @@ pub struct Material {
     /// there. Default: the material is alike in all directions.
     #[serde(default)]
     pub anisotropy: Option<Anisotropy>,
+    /// Pores with the liquid of `[pores]`, such as
+    /// `{ permeability = 1e-15, biot = 0.8, biot_modulus = "8 GPa" }`. Default: none, nothing flows through
+    /// the material.
+    #[serde(default)]
+    pub pores: Option<MaterialPores>,
     /// Viscous damping, as a share of the critical damping of the fastest mode of an element. Default: 0.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1000, "x-unit" = "1"))]

@@ -143,8 +143,8 @@ pub struct History {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m"))]
     pub node: Option<Vector>,
-    /// Name of a body: only its nodes and elements count for `node`, `stress`, `strain`, `velocity`, `gauge`
-    /// and `reaction`. Default: all bodies.
+    /// Name of a body: only its nodes and elements count for `node`, `stress`, `strain`, `velocity`,
+    /// `pore_pressure`, `gauge` and `reaction`. Default: all bodies.
     #[serde(default)]
     pub body: Option<String>,
     /// Box [xmin, ymin, xmax, ymax] or [xmin, ymin, zmin, xmax, ymax, zmax], m: of the undeformed bodies, for
@@ -167,6 +167,11 @@ pub struct History {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m"))]
     pub velocity: Option<Measured>,
+    /// Pressure of the liquid in pores at a point [x, y] or [x, y, z] of the undeformed bodies, m: Pa, linear
+    /// within its element.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
+    pub pore_pressure: Option<Vector>,
     /// Strain gauge between two points [[x, y], [x, y]] or [[x, y, z], [x, y, z]] of the undeformed bodies,
     /// m: change of their distance over that distance.
     #[serde(default)]
