@@ -18,6 +18,7 @@
 //! - `packings`: packings in three dimensions, and copies of a shape.
 //! - `refine`: places near which elements are smaller.
 //! - `prepared`: the result of a model file: boundaries, materials, histories, warnings.
+//! - `pores`: liquid in pores, their surfaces.
 //! - `probes`: histories of stress, strain, velocity, gauges and forces between bodies.
 //! - `scaling`: mass scaling, and advice for quasi-static runs.
 //! - `set`: values that are set from outside.
@@ -64,6 +65,8 @@ mod meshes;
 mod mistakes;
 #[path = "model/packings.rs"]
 mod packings;
+#[path = "model/pores.rs"]
+mod pores;
 #[path = "model/prepared.rs"]
 mod prepared;
 #[path = "model/probes.rs"]
