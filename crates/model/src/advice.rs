@@ -12,6 +12,7 @@ pub(crate) mod pressing;
 pub(crate) mod process_zone;
 pub(crate) mod compliance;
 pub(crate) mod fluid;
+pub(crate) mod pores;
 pub(crate) mod loading_rate;
 pub(crate) mod fine;
 pub(crate) mod coarse;

@@ -59,6 +59,8 @@
 //! | bonds between bodies | `src/joints/bonds.rs` |
 //! | loads and motions of boundaries, their schedules, cavities | `src/stages/boundaries.rs`, `schedules.rs` and `cavities.rs` beside it |
 //! | fluid in cracks, injections | `src/stages/fluid.rs`, `src/stages/injections.rs`; their columns: `src/output/fluid_columns.rs`; in `fdem check`: `src/advice/fluid.rs` |
+//! | liquid in pores | `src/stages/pores.rs`, its surfaces: `src/stages/pore_surfaces.rs`; in `fdem check`: `src/advice/pores.rs` |
+//! | places of boundaries and of surfaces of pores: sides, boxes, groups | `src/stages/places.rs` |
 //! | stages of a run | `src/stages/resolve.rs`, `crates/fdem/src/command/run/stages.rs` |
 //! | supports of rigid bodies that cannot be | `src/stages/supports.rs` |
 //! | conditions that end a run or a stage, servos | `src/stages/conditions.rs` |
@@ -89,6 +91,7 @@ pub use advice::differences::Modelled;
 pub use advice::fluid::{FluidForecast, FluidRegime};
 pub use advice::locking;
 pub use advice::on_ranks::OnRanks;
+pub use advice::pores::PoreForecast;
 pub use advice::preflight::{Critical, Preflight, Rehearsed, check, steps};
 pub use advice::rehearsal::Rehearsal;
 pub use bodies::boxes::BodyBox;

@@ -14,6 +14,7 @@ mod log;
 mod manifest;
 mod observer;
 mod fluid;
+mod pores;
 mod quasi_static;
 mod ranks;
 mod recorder;
@@ -50,6 +51,7 @@ use fluid::RunFluid;
 use folder::{EVENTS, Folder, MODEL, SUMMARY, SavedState};
 use intact::Intact;
 use log::RunLog;
+use pores::RunPores;
 use quasi_static::QuasiStatic;
 use ranks::RunRanks;
 use recorder::Recorder;
@@ -298,6 +300,7 @@ where
     /// Whether the run was quasi-static, once it has ended.
     quasi_static: Option<QuasiStatic>,
     fluid: Option<RunFluid>,
+    pores: Option<RunPores>,
 }
 
 /// How the steps of a run ended.
@@ -353,6 +356,7 @@ where
             emission: None,
             quasi_static: None,
             fluid: None,
+            pores: None,
         })
     }
 
@@ -406,6 +410,7 @@ where
         if let Some(warning) = self.fluid.as_ref().and_then(RunFluid::warning) {
             self.told.say(&warning);
         }
+        self.pores = RunPores::of(&*self.course.run, &self.course.prepared);
         self.emission = Emission::of(&*self.course.run, &self.course.prepared);
         if let Some(emission) = &self.emission {
             recorder.table(EVENTS, emission.csv.as_bytes())?;
@@ -629,6 +634,9 @@ where
         if let Some(fluid) = &self.fluid {
             json["fluid"] = fluid.json();
         }
+        if let Some(pores) = &self.pores {
+            json["pores"] = pores.json();
+        }
         json["inertia"] = self.inertia.as_ref().map_or(Value::Null, log::inertia);
         let empty = self.empty_curves.iter().map(|(name, why)| log::empty_curve(name, why));
         json["curves"] = self.curves.iter().map(log::curve).chain(empty).collect();
@@ -689,6 +697,7 @@ where
     fn facts(&self, status: &str, fragments: &Fragments<D>) -> Vec<(&'static str, String)> {
         let mut more = Vec::new();
         more.extend(self.fluid.as_ref().map(|fluid| ("fluid", fluid.in_words())));
+        more.extend(self.pores.as_ref().map(|pores| ("pores", pores.in_words())));
         more.extend(self.emission.as_ref().map(|emission| ("emission", emission.in_words())));
         more.extend(self.quasi_static.as_ref().map(|of_run| ("mass scaling", of_run.in_words())));
         more.extend(self.inertia.as_ref().map(|inertia| ("inertia", log::inertia_in_words(inertia))));

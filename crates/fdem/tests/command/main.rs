@@ -12,6 +12,7 @@
 //! - `bodies`: elements that are parts of bodies.
 //! - `labels`: images of bodies.
 //! - `fluid`: fluid in cracks: results, stages, refusals.
+//! - `pores`: liquid in pores: consolidation, stages, refusals.
 //! - `rigid`: rigid bodies in model files.
 //! - `devices`: graphics processors.
 //! - `mesh`: meshes, several files, spheres against walls.
@@ -53,6 +54,7 @@ mod mesh;
 mod model;
 mod pairs;
 mod periodic;
+mod pores;
 mod rigid;
 mod runs;
 mod scaling;

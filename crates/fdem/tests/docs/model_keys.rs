@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde_json::{Map, Value};
 
 /// Tables of the file in the usual order; below each the tables in its keys.
-const ORDER: [(&str, &[&str]); 22] = [
+const ORDER: [(&str, &[&str]); 24] = [
     ("model", &["mass_scaling"]),
     (
         "body",
@@ -34,12 +34,14 @@ const ORDER: [(&str, &[&str]); 22] = [
     ("wall", &["wall_plane", "wall_tube", "wall_circle", "wall_cone", "wall_disc", "wall_box", "wall_servo"]),
     ("spheres", &[]),
     ("domain", &["domain_servo"]),
-    ("material", &["Anisotropy"]),
+    ("material", &["Anisotropy", "material_pores"]),
     ("interface", &[]),
     ("joint_set", &[]),
     ("boundary", &["Rotation", "servo"]),
     ("fluid", &[]),
     ("injection", &[]),
+    ("pores", &[]),
+    ("pore_surface", &[]),
     ("stage", &["until"]),
     ("initial", &["Principal", "Ground"]),
     ("contact", &[]),

@@ -16,6 +16,7 @@ use crate::advice::device_forecast::DeviceForecast;
 use crate::advice::fluid::FluidForecast;
 use crate::advice::on_ranks::OnRanks;
 use crate::advice::overlaps;
+use crate::advice::pores::PoreForecast;
 use crate::advice::scaling;
 use crate::advice::slivers::Slivers;
 use crate::bodies::dimensions::Dimensions;
@@ -148,6 +149,9 @@ pub struct Preflight {
     /// The fluid, of a run in stages that of the first; `None` without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fluid: Option<FluidForecast>,
+    /// The liquid in pores, of a run in stages that of the first; `None` without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pores: Option<PoreForecast>,
     /// Mass that has been added for a longer time step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mass_scaling: Option<Scaled>,
@@ -232,6 +236,7 @@ impl Preflight {
         let is_of_later = is_in_stages && step < 0.99 * model.time.safety * critical.step;
         let mut warnings = prepared.warnings.clone();
         let fluid = FluidForecast::of(&run, [step, prepared.end_time], &mut warnings);
+        let pores = PoreForecast::of(&run, step, &mut warnings);
         let pace = Pace::of(run, steps, prepared);
         if step > critical.step {
             warnings.push(format!(
@@ -287,6 +292,7 @@ impl Preflight {
             about_files: prepared.about_files.clone(),
             from_library: prepared.from_library.clone(),
             fluid,
+            pores,
             mass_scaling: prepared.mass_scaling.clone(),
             critical,
             is_of_later,
@@ -520,6 +526,9 @@ impl fmt::Display for Preflight {
         }
         if let Some(fluid) = &self.fluid {
             write!(out, "{fluid}")?;
+        }
+        if let Some(pores) = &self.pores {
+            write!(out, "{pores}")?;
         }
         if let Some(scaled) = &self.mass_scaling {
             writeln!(out, "mass scaling     {}", scaled.in_words())?;

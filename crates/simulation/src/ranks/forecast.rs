@@ -153,7 +153,7 @@ impl Forecast {
     /// that it looks for couples again in its next step.
     ///
     /// # Errors
-    /// [`ModelError::Ranks`] if there are no ranks, or more than elements.
+    /// [`ModelError::Ranks`] if there are no ranks, or more than elements; [`ModelError::Pores`] for pores.
     pub fn of<const D: usize, const N: usize>(
         run: &mut Simulation<D, N>,
         ranks: usize,
@@ -175,6 +175,9 @@ impl Forecast {
         let elements = run.solid().element_count();
         if ranks == 0 || ranks > elements {
             return Err(ModelError::Ranks { ranks, elements });
+        }
+        if run.model.pores.is_some() {
+            return Err(ModelError::Pores("the run is on many ranks"));
         }
         run.watch();
         let run = &*run;

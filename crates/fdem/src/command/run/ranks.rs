@@ -50,7 +50,7 @@ impl<'c> RunRanks<'c> {
         Ok(Some(this))
     }
 
-    /// Refuses more ranks than a model has elements, and several ranks for spheres alone.
+    /// Refuses more ranks than a model has elements, several ranks for spheres alone, and ranks for pores.
     pub(super) fn check<const D: usize, const N: usize>(&self, start: &Start<D, N>) -> Result<(), String>
     where
         [[f64; D]; N]: Results<D, N>,
@@ -59,6 +59,9 @@ impl<'c> RunRanks<'c> {
         match self.ranks.map(Communicator::size) {
             Some(ranks) if ranks > 1 && elements == 0 => Err(ModelError::GrainsOnRanks.to_string()),
             _ if elements == 0 => Ok(()),
+            Some(_) if start.prepared.model.pores.is_some() => {
+                Err(ModelError::Pores("the run is on many ranks").to_string())
+            }
             Some(ranks) if ranks > elements => Err(ModelError::Ranks { ranks, elements }.to_string()),
             _ => Ok(()),
         }

@@ -49,6 +49,7 @@ pub struct Pores {
 /// Pores of a material. Exactly one of `biot_modulus` and `porosity`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "material_pores")]
 pub struct MaterialPores {
     /// Permeability, m²: one number for all directions, [x, y] or [x, y, z] along the axes, or a symmetric
     /// tensor [xx, yy, xy] or [xx, yy, zz, xy, yz, xz]. It stays as the body turns.
