@@ -4,6 +4,8 @@
 
 #[path = "steps/insertion.rs"]
 mod insertion;
+#[path = "steps/pores.rs"]
+mod pores;
 #[path = "steps/rigid.rs"]
 mod rigid;
 
