@@ -323,10 +323,8 @@ impl Checked<'_> {
         [[f64; D]; N]: Advised<D, N>,
         Model<D, N>: Serialize,
     {
-        let Self {
-            sources, file, document, elements, materials, interfaces, joint_sets, from_library, ..
-        } = self;
-        let mut warnings = self.warnings;
+        let Self { sources, file, document, elements, materials, .. } = self;
+        let Self { interfaces, joint_sets, from_library, mut warnings, .. } = self;
         // A file with faults is meshed only to find more faults: bodies without faults, and only if that
         // takes little time.
         let mut wrong = document.with_faults("body", file.body.len(), &faults);
@@ -356,7 +354,7 @@ impl Checked<'_> {
         none_or(faults)?;
 
         let mut histories = settings::histories(file, &mesh.nodes, &placed, &mut warnings);
-        let (mut lost, mut unknown) = (Vec::new(), Vec::new());
+        let (mut lost, mut unknown, mut idle) = (Vec::new(), Vec::new(), Vec::new());
         let mut probes = probes::probes(file, document, &mesh, &placed, &mut lost);
         none_or(lost)?;
         fluid_columns::add(file, &mut histories, &mut probes);
@@ -390,7 +388,6 @@ impl Checked<'_> {
             time: time_options(file),
             ..Model::default()
         };
-        let mut idle = Vec::new();
         let joint_sets = sets::put(&mut model, &placed, (file, document, &lines), &mut idle);
         let (quality, bodies) = (Quality::of(&model.mesh), bodies_of(&placed));
         warnings.extend(notes_of(file, &placed));

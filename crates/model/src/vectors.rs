@@ -94,17 +94,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
         let at = injection.at.as_ref().map(|at| at.0.len());
         vectors.extend(at.map(|found| (Table::of("injection", index), "at".to_owned(), found, d)));
     }
-    for (index, surface) in file.pore_surface.iter().enumerate() {
-        let lengths = [
-            ("box", surface.limits.as_ref().map(Vec::len), 2 * d),
-            ("at", surface.at.as_ref().map(|at| at.0.len()), d),
-        ];
-        let table = Table::of("pore_surface", index);
-        let lengths = lengths.into_iter();
-        vectors
-            .extend(lengths.filter_map(|(key, found, wanted)| Some((table, key.to_owned(), found?, wanted))));
-        faults.extend(flat_sides(surface.all_sides(), surface.side.is_some(), d, (document, table)));
-    }
+    vectors.extend(of_surfaces(file, document, d, faults));
     vectors.extend(
         coarse::length(file, d).map(|(table, key, found, wanted)| (table, key.to_owned(), found, wanted)),
     );
@@ -118,6 +108,27 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, dimensions: u8, f
     for (table, key, found, wanted) in vectors.into_iter().filter(|(_, _, found, wanted)| found != wanted) {
         faults.push(wrong_length(file, document, dimensions, (table, &key), [found, wanted]));
     }
+}
+
+/// The vectors and boxes of surfaces of pores. Reports sides that flat bodies do not have.
+fn of_surfaces(
+    file: &ModelFile,
+    document: &Document<'_>,
+    d: usize,
+    faults: &mut Vec<Fault>,
+) -> Vec<(Table, String, usize, usize)> {
+    let mut vectors = Vec::new();
+    for (index, surface) in file.pore_surface.iter().enumerate() {
+        let table = Table::of("pore_surface", index);
+        for (key, found, wanted) in [
+            ("box", surface.limits.as_ref().map(Vec::len), 2 * d),
+            ("at", surface.at.as_ref().map(|at| at.0.len()), d),
+        ] {
+            vectors.extend(found.map(|found| (table, key.to_owned(), found, wanted)));
+        }
+        faults.extend(flat_sides(surface.all_sides(), surface.side.is_some(), d, (document, table)));
+    }
+    vectors
 }
 
 /// The fault of sides that a flat body does not have. `is_one`: they are the value of `side`.

@@ -13,6 +13,7 @@
 
 pub(crate) mod colours;
 pub(crate) mod field;
+pub(crate) mod liquid;
 pub(crate) mod place;
 pub(crate) mod quantity;
 pub(crate) mod range;
@@ -23,8 +24,9 @@ pub(crate) mod table;
 mod values;
 
 pub use field::Field;
+pub use liquid::LiquidIn;
 pub use place::Place;
-pub use quantity::{LiquidIn, Quantity, QuantityValues, Span};
+pub use quantity::{Quantity, QuantityValues, Span};
 pub use range::Range;
 pub use table::QUANTITIES;
 

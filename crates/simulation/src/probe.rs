@@ -448,7 +448,9 @@ where
             }
             Probe::Fluid => self.visit_fluid(|terms| add(terms, 1.0)),
             Probe::Injection(name) => self.visit_injection(name, |terms| add(terms, 1.0)),
-            Probe::PorePressure(point) => self.visit_pore_pressure(point, |terms| add(terms, 1.0)),
+            Probe::PorePressure(MaterialPoint { element, weights }) => {
+                self.visit_pore_pressure(*element, *weights, |terms| add(terms, 1.0));
+            }
             Probe::Pores => self.visit_pores(|terms| add(terms, 1.0)),
             Probe::PoreSurface(name) => self.visit_pore_surface(name, |terms| add(terms, 1.0)),
             Probe::Softening => self.damaged_lengths(|lengths| add(&lengths, 1.0)),

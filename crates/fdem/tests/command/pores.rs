@@ -76,9 +76,9 @@ fn values(bench: &Bench, folder: &str, name: &str) -> Vec<f64> {
     lines.map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect()
 }
 
-/// Terzaghi's consolidation: the pressure at the base is `p0 Σ 2/m sin(m) exp(-m² c t/h²)` with `m = (k + 1/2)
-/// π` and `p0 = α σ/(K_v S)`; half of the load is there after half of its time. The same in two threads, and
-/// in two parts.
+/// Terzaghi's consolidation: the pressure at the base is `p0 Σ 2/m sin(m) exp(-m² c t/h²)` with
+/// `m = (k + 1/2) π` and `p0 = α σ/(K_v S)`; half of the load is there after half of its time. The same in
+/// two threads, and in two parts.
 #[test]
 fn a_column_consolidates() {
     let bench = Bench::new();

@@ -218,12 +218,7 @@ impl<const D: usize> Bonds<D> {
             source.facets.iter_mut().for_each(|facet| *facet = facet.map(first));
         }
         for surface in model.pores.iter_mut().flat_map(|pores| &mut pores.surfaces) {
-            match &mut surface.target {
-                Target::Nodes(nodes) => nodes.iter_mut().for_each(|node| *node = first(*node)),
-                Target::Facets(facets) | Target::Held(facets, _) => {
-                    facets.iter_mut().for_each(|facet| *facet = facet.map(first));
-                }
-            }
+            rename(&mut surface.target, first);
         }
         for (set, pairs, facets) in &self.sets {
             let facets: Vec<[u32; D]> = facets.iter().map(|facet| facet.map(first)).collect();
@@ -267,6 +262,17 @@ impl<const D: usize> Bonds<D> {
             *probe = probe.renumbered(Some, number);
         }
         Ok(())
+    }
+}
+
+/// Gives the nodes of a place other numbers.
+fn rename<const D: usize>(target: &mut Target<D>, number: impl Fn(u32) -> u32) {
+    let nodes = match target {
+        Target::Nodes(nodes) => &mut nodes[..],
+        Target::Facets(facets) | Target::Held(facets, _) => facets.as_flattened_mut(),
+    };
+    for node in nodes {
+        *node = number(*node);
     }
 }
 

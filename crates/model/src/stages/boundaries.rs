@@ -8,7 +8,7 @@ use fdem_simulation::{Boundary, Load, Target};
 use crate::bodies::dimensions::Dimensions;
 use crate::shapes::placed::{self, Placed, is_piece};
 use crate::stages::cavities;
-use crate::stages::places::{Place, Region};
+use crate::stages::places::{Place, PlaceKeys};
 use crate::stages::schedules::Factor;
 use crate::text::document::{Document, Table};
 use crate::text::fault::Fault;
@@ -148,12 +148,12 @@ where
             );
             continue;
         }
-        let region = Region {
+        let keys = PlaceKeys {
             sides: boundary.all_sides().collect(),
             limits: boundary.limits.as_deref(),
             group: boundary.group.as_deref(),
         };
-        let place = Place { region, mesh, placed, bodies: &bodies };
+        let place = Place { keys, mesh, placed, bodies: &bodies };
         if let Err(help) = place.check_group() {
             let group = boundary.group.as_deref().unwrap_or("");
             faults.push(

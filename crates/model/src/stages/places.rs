@@ -11,7 +11,7 @@ use crate::text::file::Side;
 const SIDE: f64 = 1e-6;
 
 /// The keys of a part of bodies: at most one of them is given.
-pub(crate) struct Region<'a> {
+pub(crate) struct PlaceKeys<'a> {
     pub(crate) sides: Vec<Side>,
     pub(crate) limits: Option<&'a [f64]>,
     pub(crate) group: Option<&'a str>,
@@ -19,7 +19,7 @@ pub(crate) struct Region<'a> {
 
 /// A part of bodies.
 pub(crate) struct Place<'a, const D: usize, const N: usize> {
-    pub(crate) region: Region<'a>,
+    pub(crate) keys: PlaceKeys<'a>,
     pub(crate) mesh: &'a Mesh<D, N>,
     pub(crate) placed: &'a [Placed<D, N>],
     /// Numbers of the bodies of which it may be.
@@ -32,7 +32,7 @@ where
 {
     /// Checks that a body has the group; the error is advice.
     pub(crate) fn check_group(&self) -> Result<(), String> {
-        let Some(group) = self.region.group else { return Ok(()) };
+        let Some(group) = self.keys.group else { return Ok(()) };
         let mut names: Vec<&str> = Vec::new();
         for &body in self.bodies {
             let piece = &self.placed[body].piece;
@@ -43,12 +43,12 @@ where
         if names.contains(&group) { Ok(()) } else { Err(suggestion(group, &names, "group")) }
     }
 
-    /// Its nodes.
+    /// Nodes of the bodies in this place.
     pub(crate) fn nodes(&self) -> Vec<u32> {
         let mut nodes = Vec::new();
         for &body in self.bodies {
             let Placed { piece, first, .. } = &self.placed[body];
-            match self.region.group {
+            match self.keys.group {
                 None => nodes.extend((0..piece.nodes.len() as u32).map(|node| node + first[0])),
                 Some(name) => {
                     let found = piece.groups.get(name).map(|group| piece.nodes_of(group)).unwrap_or_default();
@@ -61,12 +61,12 @@ where
         nodes
     }
 
-    /// Its outer facets.
+    /// Outer facets of the bodies in this place.
     pub(crate) fn facets(&self) -> Vec<[u32; D]> {
         let mut facets = Vec::new();
         for &body in self.bodies {
             let Placed { piece, first, .. } = &self.placed[body];
-            let found = match self.region.group {
+            let found = match self.keys.group {
                 None => piece.outline.clone(),
                 Some(name) => piece.groups.get(name).map(|group| piece.facets_of(group)).unwrap_or_default(),
             };
@@ -83,12 +83,12 @@ where
     /// The boxes of which nodes have to be in one.
     fn boxes(&self) -> Vec<[[f64; D]; 2]> {
         let everywhere = [[f64::NEG_INFINITY; D], [f64::INFINITY; D]];
-        if let Some(given) = self.region.limits {
+        if let Some(given) = self.keys.limits {
             let (least, most) = given.split_at(given.len() / 2);
             let [low, high] = everywhere;
             return vec![[least.try_into().unwrap_or(low), most.try_into().unwrap_or(high)]];
         }
-        if self.region.sides.is_empty() {
+        if self.keys.sides.is_empty() {
             return vec![everywhere];
         }
         let points = self.bodies.iter().flat_map(|&body| self.placed[body].piece.nodes.iter().copied());
@@ -106,7 +106,7 @@ where
             }
             limits
         };
-        self.region.sides.iter().copied().map(of_side).collect()
+        self.keys.sides.iter().copied().map(of_side).collect()
     }
 }
 

@@ -12,7 +12,7 @@ use crate::output::fluid_columns::{FLUID, PORES};
 use crate::shapes::placed::{self, Placed};
 use crate::stages::boundaries::act_together;
 use crate::stages::injections::{Times, given, times};
-use crate::stages::places::{Place, Region};
+use crate::stages::places::{Place, PlaceKeys};
 use crate::stages::pores;
 use crate::stages::schedules::Factor;
 use crate::text::document::{Document, Table};
@@ -194,12 +194,12 @@ where
         if let Some(at) = &surface.at {
             return Ok(Target::Nodes(vec![self.well(&bodies, at.components())?]));
         }
-        let region = Region {
+        let keys = PlaceKeys {
             sides: surface.all_sides().collect(),
             limits: surface.limits.as_deref(),
             group: surface.group.as_deref(),
         };
-        let place = Place { region, mesh: self.mesh, placed: self.placed, bodies: &bodies };
+        let place = Place { keys, mesh: self.mesh, placed: self.placed, bodies: &bodies };
         if let Err(help) = place.check_group() {
             let group = surface.group.as_deref().unwrap_or_default();
             return Err(("group", format!("no body with pores has a group \"{group}\""), Some(help)));

@@ -179,7 +179,7 @@ where
     let Some(found) = porous::<D, N>(file, material) else { return Vec::new() };
     match found.check("pores") {
         Ok(()) => Vec::new(),
-        Err(FluidError::OutOfRange { what, .. }) if what == "storage" => {
+        Err(FluidError::OutOfRange { what: "storage", .. }) => {
             fault("porosity", "its pores store no liquid: their compressibility is not above 0")
         }
         Err(error) => fault("permeability", &error.to_string()),

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use fdem_simulation::{Boundary, Load, ModelError, Schedule, Simulation, Subset, Target};
+use fdem_simulation::{Boundary, Load, Model, ModelError, Schedule, Simulation, Subset, Target};
 
 use crate::prepared::{Entered, Prepared, PreparedBody, PreparedServo, PreparedStage, Quantity};
 use crate::stages::pores;
@@ -58,6 +58,18 @@ where
         begun.map_or(0.0, |begun| *begun as f64 * step)
     }
 
+    /// Seals the surfaces of pores that do not act in a stage, and lets the times of the others begin.
+    fn seal_surfaces(&self, model: &mut Model<D, N>, entered: &Entered<D>, step: f64) {
+        let surfaces = model.pores.iter_mut().flat_map(|pores| &mut pores.surfaces);
+        for (number, surface) in surfaces.enumerate() {
+            let is_on = |stage: &PreparedStage| stage.pore_surfaces.as_ref().is_some_and(|on| on[number]);
+            let drive = std::mem::replace(&mut surface.drive, pores::sealed());
+            if is_on(&self.stages[entered.stage()]) {
+                surface.drive = drive.later(self.start(entered, step, is_on));
+            }
+        }
+    }
+
     /// The model of the stage that a run has entered. `step`: the time step, s.
     ///
     /// # Errors
@@ -96,14 +108,7 @@ where
             source.drive = source.drive.take().filter(|_| is_on(stage)).map(|drive| drive.later(start));
         }
         model.pores = model.pores.filter(|_| stage.pore_surfaces.is_some());
-        let surfaces = model.pores.iter_mut().flat_map(|pores| &mut pores.surfaces);
-        for (number, surface) in surfaces.enumerate() {
-            let is_on = |stage: &PreparedStage| stage.pore_surfaces.as_ref().is_some_and(|on| on[number]);
-            let drive = std::mem::replace(&mut surface.drive, pores::sealed());
-            if is_on(stage) {
-                surface.drive = drive.later(self.start(entered, step, is_on));
-            }
-        }
+        self.seal_surfaces(&mut model, entered, step);
         model.boundaries.extend(entered.held.iter().cloned());
         let Subset { mut model, elements, nodes } = model.keeping(&stage.elements)?;
         // Surfaces come and go with their bodies.

@@ -1,4 +1,5 @@
-//! Factors of boundaries, injections and surfaces of pores in time: ramps, tables, files with tables, and expressions.
+//! Factors of boundaries, injections and surfaces of pores in time: ramps, tables, files with tables, and
+//! expressions.
 
 use fdem_simulation::Schedule;
 

@@ -1,5 +1,6 @@
 //! A row of the table of fields, and the values of its field.
 
+use crate::fields::liquid::LiquidIn;
 use crate::fields::place::Place;
 use crate::fields::state::State;
 use crate::picture::colour::Rgb;
@@ -51,16 +52,6 @@ pub enum Span {
     NotNegative,
     /// From the first number to the second.
     Between(f64, f64),
-}
-
-/// The place of a liquid that a model may have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum LiquidIn {
-    /// A fluid in cracks and holes.
-    Cracks,
-    /// A liquid in the pores of elements.
-    Pores,
 }
 
 /// How elements are coloured by a quantity.

@@ -6,8 +6,8 @@ use fdem_simulation::grains::SphereColumns;
 use fdem_simulation::{ContactForce, Crack, Element, Forces, Mode, Snapshot, WetJoint};
 
 use crate::arrays::each;
+use crate::fields::liquid::LiquidIn;
 use crate::fields::place::Place;
-use crate::fields::quantity::LiquidIn;
 use crate::fields::sphere_counts::coordination;
 
 /// A snapshot, as the table of fields reads it. Vectors of the plane have a third component of 0. Numbers of

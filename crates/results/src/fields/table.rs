@@ -4,8 +4,9 @@ use fdem_simulation::Mode;
 use fdem_simulation::grains::GrainPartner;
 
 use crate::fields::colours::SIGNED;
+use crate::fields::liquid::LiquidIn;
 use crate::fields::place::Place;
-use crate::fields::quantity::{Ends, LiquidIn, Number, Quantity, Shown, Span, Value};
+use crate::fields::quantity::{Ends, Number, Quantity, Shown, Span, Value};
 use crate::fields::stress::von_mises;
 use crate::picture::colour::{HEAT, Rgb, SEA};
 

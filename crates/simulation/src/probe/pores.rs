@@ -1,6 +1,5 @@
 //! Probes of the liquid in pores: its pressure at a point, its balance, and its surfaces.
 
-use crate::probe::MaterialPoint;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 
@@ -18,13 +17,14 @@ impl<const D: usize, const N: usize> Simulation<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Visits the pressure at a point and a 1, if its element has pores.
-    pub(super) fn visit_pore_pressure(&self, point: &MaterialPoint<D, N>, visit: impl FnOnce(&[f64])) {
+    /// Visits the pressure at a point of an element and a 1, if the element has pores. `weights`: shares of
+    /// its corners.
+    pub(super) fn visit_pore_pressure(&self, element: u32, weights: [f64; N], visit: impl FnOnce(&[f64])) {
         let Some(matrix) = self.pores() else { return };
-        if self.pore_elements().binary_search(&point.element).is_err() {
+        if self.pore_elements().binary_search(&element).is_err() {
             return;
         }
-        let corners = (point.element as usize * N..).zip(point.weights);
+        let corners = (element as usize * N..).zip(weights);
         let pressure = |corner: usize| matrix.pressures()[self.topology.vertices[corner] as usize];
         visit(&[corners.fold(0.0, |sum, (corner, weight)| sum + weight * pressure(corner)), 1.0]);
     }

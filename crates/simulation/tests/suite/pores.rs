@@ -488,6 +488,49 @@ fn threads_and_a_resumed_run_change_no_bit() {
     assert!(whole.energies().error().abs() < 0.01, "{}", whole.energies().error());
 }
 
+/// Snapshots have the pressures at all nodes, those of split ones too; probes those at points and the volumes
+/// of surfaces. Neither has a pressure where there are no pores.
+#[test]
+fn snapshots_and_probes_have_the_pressures_of_pores() {
+    let mut model = breaking();
+    model.materials.push(Material { name: "tight".to_owned(), ..model.materials[0].clone() });
+    let is_right = |mesh: &Mesh, element: usize| {
+        mesh.elements[element].iter().all(|node| mesh.nodes[*node as usize][0] > 0.099)
+    };
+    let tight: Vec<usize> = (0..model.mesh.elements.len()).filter(|k| is_right(&model.mesh, *k)).collect();
+    tight.iter().for_each(|element| model.mesh.materials[*element] = 1);
+    let pores = model.pores.as_mut().expect("pores");
+    pores.materials.push(None);
+    pores.surfaces.pop();
+    let mut run = Simulation::new(model, 1).expect("a model");
+    run.advance(400).expect("steps");
+    assert!(run.counts().broken > 0 && run.snapshot().positions.len() > run.model().mesh.nodes.len());
+    let (snapshot, matrix) = (run.snapshot(), run.pores().expect("pores"));
+    let found = snapshot.pore_pressures.as_ref().expect("pores");
+    assert_eq!(found.len(), snapshot.positions.len());
+    for (nodes, vertices) in snapshot.elements.iter().zip(&run.model().mesh.elements) {
+        for (node, vertex) in nodes.iter().zip(vertices) {
+            let vertex = *vertex as usize;
+            let expected = (matrix.storages()[vertex] > 0.0).then(|| matrix.pressures()[vertex]);
+            assert_eq!(found[*node as usize], expected);
+        }
+    }
+    assert!(found.contains(&None) && found.iter().flatten().any(|pressure| *pressure > 1e3));
+    let at =
+        |element: usize, weights| Probe::PorePressure(MaterialPoint { element: element as u32, weights });
+    let surface = |name: &str| Probe::PoreSurface(name.to_owned());
+    let probes = [at(3, [0.25, 0.25, 0.5]), at(tight[0], [1.0, 0.0, 0.0]), surface("left"), surface("well")];
+    let measured = run.measure(&probes);
+    let [a, b, c] = run.model().mesh.elements[3].map(|vertex| matrix.pressures()[vertex as usize]);
+    assert!((measured[0][0] / (0.25 * a + 0.25 * b + 0.5 * c) - 1.0).abs() < 1e-12, "{measured:?}");
+    assert!(measured[1][0].is_nan() && measured[3][0].is_nan());
+    assert_eq!(measured[2], [matrix.inflow(0).expect("a surface")]);
+    let balance = matrix.balance();
+    let whole = [balance.initial, balance.inflow, balance.exchanged, balance.stored, balance.error()];
+    assert_eq!(run.measure(&[Probe::Pores])[0], whole);
+    assert!(balance.inflow == measured[2][0] && balance.inflow != 0.0);
+}
+
 /// A stage without the right half: pressures stay where elements do.
 #[test]
 fn pressures_stay_in_the_next_stage() {

@@ -1,5 +1,7 @@
 //! The liquid in the pores of a run: its volumes at the end, in the summary and in `run.json`.
 
+use std::fmt::Write;
+
 use fdem_io::numbers::brief;
 use fdem_model::Prepared;
 use fdem_simulation::Probe;
@@ -47,7 +49,8 @@ impl RunPores {
         };
         let mut text = format!("{} m³ through surfaces, {} m³ stored", total("inflow"), total("stored"));
         for (name, inflow) in &self.surfaces {
-            text += &format!("; {name}: {} m³", brief(*inflow));
+            // Writing to a string does not fail.
+            let _ = write!(text, "; {name}: {} m³", brief(*inflow));
         }
         text
     }
