@@ -1,10 +1,12 @@
 //! Velocities and stresses at the start of a run.
 
 use fdem_mesh::{Corners, Mesh};
+use fdem_simulation::PoreOptions;
 
 use crate::bodies::dimensions::Dimensions;
 use crate::shapes::piece::Piece;
 use crate::shapes::placed::Placed;
+use crate::stages::pores;
 use crate::stages::resolve::appearing;
 use crate::text::document::{Document, Table};
 use crate::text::fault::{Fault, nearest};
@@ -171,6 +173,7 @@ pub(crate) fn stresses<const D: usize, const N: usize>(
     file: &ModelFile,
     mesh: &Mesh<D, N>,
     placed: &[Placed<D, N>],
+    pores: Option<&PoreOptions<D>>,
 ) -> Vec<[[f64; D]; D]>
 where
     [[f64; D]; N]: Dimensions<D, N>,
@@ -189,14 +192,17 @@ where
         file::Gravity::Vector(gravity) => -gravity.components::<D>()[D - 1],
         file::Gravity::None(_) => 0.0,
     };
-    let of = |nodes: &[u32; N]| {
+    let pores = pores::at_first(file, pores);
+    let of = |(nodes, material): (&[u32; N], &u32)| {
         let height = nodes.iter().map(|&node| mesh.nodes[node as usize][D - 1]).sum::<f64>() / N as f64;
         let mut components: Vec<f64> =
             stress.iter().zip(gradient).map(|(stress, gradient)| stress + gradient * height).collect();
         if let Some(ground) = ground {
             let density =
                 ground.density.unwrap_or_else(|| file.material.first().map_or(0.0, |first| first.density));
-            let vertical = -density * gravity * (ground.surface - height).max(0.0);
+            // The liquid in pores bears its part of the weight.
+            let vertical = -density * gravity * (ground.surface - height).max(0.0)
+                + pores::push(pores, nodes, *material);
             let (k0, tectonic) = (ground.k0.along(), ground.tectonic.map_or([0.0; 2], file::Ratio::along));
             components[D - 1] += vertical;
             for axis in 0..D - 1 {
@@ -206,7 +212,7 @@ where
         }
         <[[f64; D]; N]>::stress(&components)
     };
-    let mut stresses: Vec<[[f64; D]; D]> = mesh.elements.iter().map(of).collect();
+    let mut stresses: Vec<[[f64; D]; D]> = mesh.elements.iter().zip(&mesh.materials).map(of).collect();
     for range in appearing(file, placed) {
         stresses[range].fill([[0.0; D]; D]);
     }

@@ -10,6 +10,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::advice::differences::Advised;
+use crate::advice::pores::permeable;
 use crate::advice::ready::Ready;
 use crate::advice::{deforming, extreme, joined, overlaps, plausible, scaling, too_fast};
 use crate::bodies::boxes::{self, BodyBox};
@@ -371,9 +372,9 @@ impl Checked<'_> {
             until_overloaded: build::until_overloaded(file, &placed),
             grains: sphere_model.as_ref().map(|of| of.model.clone()),
             fluid,
-            pores,
             velocities: initial::velocities(file, &placed),
-            stresses: initial::stresses(file, &mesh, &placed),
+            stresses: initial::stresses(file, &mesh, &placed, pores.as_ref()),
+            pores,
             mesh,
             materials,
             interfaces,
@@ -476,6 +477,7 @@ where
 {
     let Ready { file, model, placed, .. } = *ready;
     plausible::units(model, warnings);
+    permeable(model, warnings);
     plausible::loads(model, warnings);
     too_fast::check((file, document), model, placed, warnings, &mut faults);
     plausible::without_effect(file, (document, is_in_model), model, warnings, &mut faults);

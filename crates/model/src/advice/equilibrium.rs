@@ -2,24 +2,25 @@
 
 use fdem_io::numbers::brief;
 use fdem_mesh::Corners;
-use fdem_simulation::{InitialContacts, Load, Model, Schedule, Target, principal_stresses};
+use fdem_simulation::{InitialContacts, Load, Model, PoreOptions, Schedule, Target, principal_stresses};
 
 use crate::advice::deforming;
 use crate::bodies::dimensions::Dimensions;
 use crate::prepared::PreparedBody;
+use crate::stages::pores::push;
 
 /// Forces out of balance, over the weights, from which a body counts as not in equilibrium.
 const UNBALANCED: f64 = 0.1;
 
-/// Adds warnings of bodies that are not in equilibrium at the beginning.
+/// Adds warnings of bodies that are not in equilibrium at the beginning. `pores`: those with liquid then.
 pub(crate) fn warnings<const D: usize, const N: usize>(
-    model: &Model<D, N>,
+    (model, pores): (&Model<D, N>, Option<&PoreOptions<D>>),
     bodies: &[PreparedBody],
     warnings: &mut Vec<String>,
 ) where
     [[f64; D]; N]: Dimensions<D, N>,
 {
-    weight(model, bodies, warnings);
+    weight((model, pores), bodies, warnings);
     if model.stresses.is_empty() {
         return;
     }
@@ -50,7 +51,7 @@ pub(crate) fn warnings<const D: usize, const N: usize>(
 
 /// Weight that the initial stress does not carry, on bodies that rest on absorbing boundaries.
 fn weight<const D: usize, const N: usize>(
-    model: &Model<D, N>,
+    (model, pores): (&Model<D, N>, Option<&PoreOptions<D>>),
     bodies: &[PreparedBody],
     warnings: &mut Vec<String>,
 ) where
@@ -84,11 +85,13 @@ fn weight<const D: usize, const N: usize>(
         let volume = corners.measure();
         let density = model.materials[mesh.materials[element] as usize].density;
         let stress = model.stresses.get(element).copied().unwrap_or([[0.0; D]; D]);
+        let push = push(pores, nodes, mesh.materials[element]);
         for (node, gradient) in nodes.iter().zip(gradients(&corners)) {
             let force = &mut forces[*node as usize];
             let mass = density * volume / N as f64;
             for axis in 0..D {
-                force[axis] += mass * model.gravity[axis] - volume * dot(&stress[axis], &gradient);
+                let inside = dot(&stress[axis], &gradient) - push * gradient[axis];
+                force[axis] += mass * model.gravity[axis] - volume * inside;
             }
             weights[*node as usize] += mass * size;
         }

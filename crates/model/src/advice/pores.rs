@@ -21,6 +21,9 @@ use crate::bodies::dimensions::Dimensions;
 /// Share of the time of consolidation from which a step of the flow is long.
 const LONG: f64 = 0.02;
 
+/// Permeability that no soil exceeds, m²: that of coarse gravel.
+const GRAVEL: f64 = 1e-6;
+
 /// The liquid in the pores of a model before the run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PoreForecast {
@@ -75,12 +78,32 @@ impl PoreForecast {
     }
 }
 
+/// Adds warnings of materials that are more permeable than any soil.
+pub(crate) fn permeable<const D: usize, const N: usize>(model: &Model<D, N>, warnings: &mut Vec<String>) {
+    let of_materials = model.pores.iter().flat_map(|pores| &pores.materials).zip(&model.materials);
+    for (pores, material) in of_materials {
+        let most = pores.as_ref().map_or(0.0, most_permeable);
+        if most > GRAVEL {
+            warnings.push(format!(
+                "[[material]] \"{}\": pores.permeability is up to {} m², and coarse gravel has {GRAVEL:e} m²: is it a hydraulic conductivity? \
+                 For water, 1 m/s of that is 1e-7 m² of permeability",
+                material.name,
+                brief(most)
+            ));
+        }
+    }
+}
+
+/// Permeability along the axis along which it is greatest, m².
+fn most_permeable<const D: usize>(pores: &PorousMaterial<D>) -> f64 {
+    (0..D).map(|axis| pores.permeability[axis][axis]).fold(0.0, f64::max)
+}
+
 /// Hydraulic diffusivity of a material, m²/s.
 fn diffusivity<const D: usize>(pores: &PorousMaterial<D>, material: &Material, viscosity: f64) -> f64 {
     let (young, poisson) = (material.stiffest_modulus(), material.mean_poissons_ratio());
     let modulus = young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
-    let most = (0..D).map(|axis| pores.permeability[axis][axis]).fold(0.0, f64::max);
-    most / (viscosity * (pores.storage + pores.biot * pores.biot / modulus))
+    most_permeable(pores) / (viscosity * (pores.storage + pores.biot * pores.biot / modulus))
 }
 
 /// Time in which pressures reach the node that is farthest from all that are prescribed, s. `diffusivities`:

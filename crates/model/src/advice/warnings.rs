@@ -14,6 +14,7 @@ use crate::advice::deforming::{self, breaks};
 use crate::advice::ready::Ready;
 use crate::advice::{coarse, equilibrium, fine, process_zone, quasi_static};
 use crate::bodies::dimensions::Dimensions;
+use crate::stages::pores::at_first;
 use crate::text::file;
 
 /// Share of elements with equal angles from which a mesh is regular.
@@ -67,7 +68,8 @@ where
     }
     ground::warn(ready, warnings);
     quasi_static::advice(ready.file, ready.model, warnings);
-    equilibrium::warnings(ready.model, ready.bodies, warnings);
+    let pores = at_first(ready.file, ready.model.pores.as_ref());
+    equilibrium::warnings((ready.model, pores), ready.bodies, warnings);
 }
 
 /// Angle of a flat face at a corner, degrees, below which the elements there are flat.

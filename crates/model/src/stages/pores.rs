@@ -268,6 +268,26 @@ pub(crate) fn first_stage(file: &ModelFile) -> Option<usize> {
     }
 }
 
+/// The pores of a model that has their liquid from the beginning.
+pub(crate) fn at_first<'a, const D: usize>(
+    file: &ModelFile,
+    pores: Option<&'a PoreOptions<D>>,
+) -> Option<&'a PoreOptions<D>> {
+    pores.filter(|_| first_stage(file) == Some(0))
+}
+
+/// `α p` of an element with these nodes at the beginning, Pa; 0 without pores.
+pub(crate) fn push<const D: usize, const N: usize>(
+    pores: Option<&PoreOptions<D>>,
+    nodes: &[u32; N],
+    material: u32,
+) -> f64 {
+    let Some(pores) = pores else { return 0.0 };
+    let of_material = pores.materials.get(material as usize).copied().flatten();
+    let pressure = |node: &u32| pores.initial_pressures.get(*node as usize).copied().unwrap_or(0.0);
+    of_material.map_or(0.0, |of| of.biot * nodes.iter().map(pressure).sum::<f64>() / N as f64)
+}
+
 /// Whether each surface acts in a stage, by its number; `None` if pores have no liquid there.
 pub(crate) fn act(file: &ModelFile, stage: usize) -> Option<Vec<bool>> {
     let name = &file.stage[stage].name;

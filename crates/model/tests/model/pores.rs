@@ -119,6 +119,51 @@ fn a_water_level_has_hydrostatic_pressure() {
     assert!(flows.as_flattened().iter().all(|flow| flow.abs() < 1e-22), "{flows:?}");
 }
 
+/// Ground at rest carries its weight by effective stress and the liquid: nothing moves and nothing flows.
+#[test]
+fn ground_with_a_water_level_is_at_rest() {
+    let text = "[model]\nend_time = 1e-2\nplane = \"strain\"\ngravity = [0, -10]\n[[body]]\nname = \"ground\"\n\
+                material = \"soil\"\nrectangle = { min = [0, -10], max = [10, 0] }\nmesh_size = 2\n\
+                [[material]]\nname = \"soil\"\ndensity = 2000\nyoungs_modulus = 1e9\npoissons_ratio = 0.3\n\
+                pores = { permeability = 1e-10, biot = 0.9, porosity = 0.3 }\n[pores]\nwater_level = -1\n\
+                [initial]\nground = { surface = 0, k0 = 0.5 }\n[[boundary]]\nname = \"sides\"\n\
+                sides = [\"left\", \"right\"]\nfixed = \"x\"\n[[boundary]]\nname = \"base\"\nside = \"bottom\"\n\
+                fixed = \"y\"\n";
+    let prepared = right(text);
+    let pushes = |nodes: &[u32; 3]| {
+        let heights = nodes.iter().map(|node| prepared.model.mesh.nodes[*node as usize][1]);
+        let height = heights.sum::<f64>() / 3.0;
+        [-2e4 * -height, 0.9 * 9980.0 * (-1.0 - height)]
+    };
+    for (nodes, stress) in prepared.model.mesh.elements.iter().zip(&prepared.model.stresses) {
+        let [weight, push] = pushes(nodes);
+        assert!((stress[1][1] - (weight + push)).abs() < 1e-6, "{stress:?}");
+        assert!((stress[0][0] - 0.5 * (weight + push)).abs() < 1e-6, "{stress:?}");
+    }
+    let mut run = Simulation::new(prepared.model.clone(), 1).unwrap();
+    run.advance(200).unwrap();
+    // It would settle by some millimetres.
+    let most = run.snapshot().displacements.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    assert!(most < 1e-10, "{most}");
+    let flows = run.pores().unwrap().flows();
+    assert!(flows.as_flattened().iter().all(|flow| flow.abs() < 1e-11), "{flows:?}");
+    // Without its liquid, the stress is that of the weight; so is that of a liquid of a later stage.
+    let stages = "[[stage]]\nname = \"dry\"\nduration = 1e-3\n[[stage]]\nname = \"wet\"\n";
+    let later = text.replace("water_level = -1", "water_level = -1\nfrom_stage = \"wet\"") + stages;
+    let later = right(&later);
+    let [weight, _] = pushes(&later.model.mesh.elements[0]);
+    assert!((later.model.stresses[0][1][1] - weight).abs() < 1e-6);
+}
+
+/// A conductivity in m/s in place of a permeability.
+#[test]
+fn a_permeability_above_that_of_gravel_is_questioned() {
+    let warnings =
+        |permeability: &str| right(&ground("[pores]").replace("\"1e-3 um^2\"", permeability)).warnings;
+    let asks = |of: &[String]| of.iter().any(|warning| warning.contains("is it a hydraulic conductivity?"));
+    assert!(asks(&warnings("1e-5")) && asks(&warnings("[1e-12, 1e-5]")) && !asks(&warnings("1e-8")));
+}
+
 #[test]
 fn surfaces_are_sides_groups_boxes_bodies_and_wells() {
     let edges = |keys: &str| {

@@ -498,7 +498,9 @@ fn snapshots_and_probes_have_the_pressures_of_pores() {
         mesh.elements[element].iter().all(|node| mesh.nodes[*node as usize][0] > 0.099)
     };
     let tight: Vec<usize> = (0..model.mesh.elements.len()).filter(|k| is_right(&model.mesh, *k)).collect();
-    tight.iter().for_each(|element| model.mesh.materials[*element] = 1);
+    for &element in &tight {
+        model.mesh.materials[element] = 1;
+    }
     let pores = model.pores.as_mut().expect("pores");
     pores.materials.push(None);
     pores.surfaces.pop();

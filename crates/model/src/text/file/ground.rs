@@ -6,7 +6,8 @@ use serde::Deserialize;
 /// Stress of ground at rest under its own weight: the vertical stress is the weight above, the horizontal one
 /// `k0` times that, plus the tectonic stress. Above the surface the stress is zero. Needs gravity along the
 /// last axis, and in two dimensions plane strain. With the density of the bodies, nothing moves at the
-/// beginning.
+/// beginning. Where pores have liquid at the beginning, it is the effective stress: the vertical one is the
+/// weight less the part that the liquid bears, and the horizontal one is `k0` times that.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ground {
