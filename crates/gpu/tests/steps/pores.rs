@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::{joined, model, same, side};
 
-/// The model with liquid in the pores of its first material, drained at x = 0.
+/// The model with liquid in the pores of its materials, drained at x = 0.
 fn porous<const D: usize, const N: usize>(mut model: Model<D, N>) -> Model<D, N>
 where
     [[f64; D]; N]: Element<D, N>,
@@ -15,8 +15,7 @@ where
     let soil = PorousMaterial::isotropic(1e-8, 0.9, 1e-7);
     let drive = Drive::Pressure(FluidSchedule::constant(0.0));
     let drain = PoreSurface { name: "drain".to_owned(), target: side(&model, 0, 0.0), drive };
-    let mut materials = vec![None; model.materials.len()];
-    materials[0] = Some(soil);
+    let materials = vec![Some(soil); model.materials.len()];
     model.pores = Some(PoreOptions {
         surfaces: vec![drain],
         initial_pressures: vec![1e4; model.mesh.nodes.len()],
