@@ -184,6 +184,18 @@ fn a_run_without_pores_has_no_fields_of_pores() {
 }
 
 #[test]
+fn a_check_reports_long_steps_and_sealed_pores() {
+    let bench = Bench::new();
+    bench.write("long.toml", column().replace("[pores]\n", "[pores]\nsteps = 400\n"));
+    let check = bench.run(&["check", "long.toml"]).succeeds();
+    assert!(check.stderr.contains("[pores]: a step of the flow of"), "{}\n{}", check.stdout, check.stderr);
+    bench.write("pumped.toml", column().replace("pressure = 0\n", "rate = 1e-6\n"));
+    let check = bench.run(&["check", "pumped.toml"]).succeeds();
+    assert!(check.stdout.contains("no surface has a pressure"), "{}", check.stdout);
+    assert!(!check.stderr.contains("[pores]"), "{}", check.stderr);
+}
+
+#[test]
 fn pores_that_cannot_be_run_are_refused() {
     let bench = Bench::new();
     bench.write("column.toml", column());

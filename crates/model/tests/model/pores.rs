@@ -96,6 +96,9 @@ fn permeabilities_are_numbers_axes_or_tensors() {
         let text = ground("[pores]").replace("permeability = [2e-17, 1e-17]", pores);
         right(&text).model.pores.unwrap().materials[1].unwrap()
     };
+    // A millidarcy.
+    let [[along, _], [_, across]] = found("permeability = \"10 mD\"").permeability;
+    assert!(along == across && (along / 9.869_233e-15 - 1.0).abs() < 1e-7, "{along}");
     let tensor = found("permeability = [\"2e-17 m^2\", 1e-17, -5e-18]").permeability;
     assert_eq!(tensor, [[2e-17, -5e-18], [-5e-18, 1e-17]]);
     // Rigid grains, and given ones.

@@ -109,7 +109,7 @@ pub(crate) struct Unit {
 /// The International System of Units, 9th edition (2019); pound-force and inch: B.N. Taylor, A. Thompson,
 /// "The International System of Units", NIST SP 330 (2008), and A. Thompson, B.N. Taylor, NIST SP 811 (2008),
 /// appendix B.
-const UNITS: [(&str, f64, i32, [i32; 4]); 43] = [
+const UNITS: [(&str, f64, i32, [i32; 4]); 44] = [
     ("m", 1.0, 0, [0, 1, 0, 0]),
     ("km", 1.0, 3, [0, 1, 0, 0]),
     ("dm", 1.0, -1, [0, 1, 0, 0]),
@@ -139,6 +139,8 @@ const UNITS: [(&str, f64, i32, [i32; 4]); 43] = [
     ("psi", 6.894_757_293_168_361, 3, [1, -1, -2, 0]),
     ("ksi", 6.894_757_293_168_361, 6, [1, -1, -2, 0]),
     ("cP", 1.0, -3, [1, -1, -1, 0]),
+    // A darcy is the permeability for 1 cm/s of a liquid of 1 cP under 1 atm/cm.
+    ("mD", 1e5 / 101_325.0, -15, [0, 2, 0, 0]),
     ("J", 1.0, 0, [1, 2, -2, 0]),
     ("kJ", 1.0, 3, [1, 2, -2, 0]),
     ("MJ", 1.0, 6, [1, 2, -2, 0]),
