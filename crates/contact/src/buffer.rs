@@ -291,6 +291,11 @@ impl<T: Real, const D: usize, S: Search<T, D>> Buffered<T, D, S> {
         Ok(Update { elements: *elements, candidates: &self.candidates, pool: &self.pool, reason })
     }
 
+    /// Couples that may touch: [`Update::candidates`] of the last update.
+    pub fn candidates(&self) -> &[Couple] {
+        &self.candidates
+    }
+
     /// The gap that candidates may have beyond the tolerance.
     pub fn buffer(&self) -> T {
         self.buffer

@@ -3,6 +3,7 @@
 //
 // - vectors and tensors: `crates/simulation/src/vector.rs`
 // - `stress`: `simplex/triangle/elastic.rs` and `simplex/tetrahedron/elastic.rs`
+// - `stress_of_rest`, `add_bedding`: `laws/transversely_isotropic.rs`, `Stiffness::stress` and `with_bedding`
 // - `viscous_stress`: `solid/viscous.rs`
 // - `deform`, `forces_of`: `solid/batch.rs`, `strain_one`
 //
@@ -58,6 +59,10 @@ INLINE void cross3(const double *a, const double *b, double *c) {
     c[0] = a[1] * b[2] - a[2] * b[1];
     c[1] = a[2] * b[0] - a[0] * b[2];
     c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+template <int D> INLINE void applied(const Matrix<D> &a, const double *v, double *to) {
+    for (int i = 0; i < D; ++i) to[i] = dot<D>(a.a[i], v);
 }
 
 INLINE double determinant(const Matrix<2> &f) { return f.a[0][0] * f.a[1][1] - f.a[0][1] * f.a[1][0]; }
@@ -196,10 +201,57 @@ INLINE Matrix<D> viscous_stress(double viscosity, const Matrix<D> &f, double j, 
     return product(stretching, across);
 }
 
+// The bedding of a material: the stiffness that its neo-Hookean part lacks, and the normal in the undeformed body;
+// `FlatBedding` of fdem-simulation.
+template <int D> struct Bedding {
+    double lame, shear, coupling, excess, along;
+    double normal[D];
+};
+
+// The stress of a strain with this stiffness, and its energy.
+template <int D> INLINE Matrix<D> stress_of_rest(const Bedding<D> &of, const Matrix<D> &strain, double *energy) {
+    double across[D];
+    applied(strain, of.normal, across);
+    double sum = strain.a[0][0];
+    const double stretch = dot<D>(of.normal, across);
+    for (int axis = 1; axis < D; ++axis) sum += strain.a[axis][axis];
+    const double mean = of.lame * sum + of.coupling * stretch, own = of.coupling * sum + of.along * stretch;
+    Matrix<D> stress;
+    for (int i = 0; i < D; ++i)
+        for (int k = 0; k < D; ++k) {
+            const double both = of.normal[i] * across[k] + across[i] * of.normal[k];
+            const double part =
+                2.0 * of.shear * strain.a[i][k] + of.excess * both + own * (of.normal[i] * of.normal[k]);
+            stress.a[i][k] = i == k ? part + mean : part;
+        }
+    *energy = 0.5 * contraction(stress, strain);
+    return stress;
+}
+
+// Adds the part of the bedding to the stress and the energy of the isotropic part, and finds the present normal.
+template <int D>
+INLINE void add_bedding(const Bedding<D> &of, const Matrix<D> &f, Matrix<D> &stress, double *energy, double *normal) {
+    const Matrix<D> turned = transposed(f);
+    const Matrix<D> squared = product_transposed(turned, turned);
+    Matrix<D> strain;
+    for (int i = 0; i < D; ++i)
+        for (int k = 0; k < D; ++k) strain.a[i][k] = 0.5 * (i == k ? squared.a[i][k] - 1.0 : squared.a[i][k]);
+    double more;
+    const Matrix<D> first = product(f, stress_of_rest(of, strain, &more));
+    double now[D];
+    applied(cofactor(f), of.normal, now);
+    const double over = 1.0 / square_root(dot<D>(now, now));
+    for (int axis = 0; axis < D; ++axis) normal[axis] = over * now[axis];
+    for (int i = 0; i < D; ++i)
+        for (int k = 0; k < D; ++k) stress.a[i][k] = stress.a[i][k] + first.a[i][k];
+    *energy = *energy + more;
+}
+
 // An element in a step; `ElementState` of fdem-simulation.
 template <int D> struct ElementState {
     Matrix<D> gradients, edges, rates, initial, viscous;
     double volume, viscosity, stored, shear, bulk;
+    Bedding<D> bedding;
 };
 
 // Its results; `ElementForces` of fdem-simulation.
@@ -207,6 +259,12 @@ template <int D> struct ElementForces {
     double forces[D + 1][D];
     Matrix<D> stress, viscous;
     double energy, ratio, power;
+    double normal[D];
+};
+
+// Parts of the law that an element may have besides the neo-Hookean one.
+struct LawParts {
+    bool initial, viscous, bedded;
 };
 
 template <int D>
@@ -224,14 +282,14 @@ INLINE void forces_of(const Matrix<D> &stress, const Matrix<D> &gradients, doubl
     }
 }
 
-// Deforms an element with the neo-Hookean law, with initial stress and viscosity if it has them.
-template <int D>
-INLINE void deform(const ElementState<D> &of, bool has_initial, bool is_viscous, ElementForces<D> &to) {
+// Deforms an element with the neo-Hookean law, with bedding, initial stress and viscosity if it has them.
+template <int D> INLINE void deform(const ElementState<D> &of, LawParts parts, ElementForces<D> &to) {
     const Matrix<D> gradient = product(of.edges, of.gradients);
     const double j = determinant(gradient);
     double energy;
     Matrix<D> all = stress(of.shear, of.bulk, gradient, j, &energy);
-    if (has_initial) {
+    if (parts.bedded) add_bedding(of.bedding, gradient, all, &energy, to.normal);
+    if (parts.initial) {
         const Matrix<D> first = product(gradient, of.initial);
         for (int i = 0; i < D; ++i)
             for (int k = 0; k < D; ++k) all.a[i][k] = all.a[i][k] + first.a[i][k];
@@ -240,7 +298,7 @@ INLINE void deform(const ElementState<D> &of, bool has_initial, bool is_viscous,
         for (int axis = 0; axis < D; ++axis) strain.a[axis][axis] -= 1.0;
         energy += of.stored + 0.5 * contraction(of.initial, strain);
     }
-    if (is_viscous) {
+    if (parts.viscous) {
         const Matrix<D> rate = product(of.rates, of.gradients);
         to.viscous = viscous_stress(of.viscosity, gradient, j, rate);
         to.power = contraction(of.viscous, rate) + contraction(to.viscous, rate);
@@ -263,12 +321,14 @@ struct Deform {
     u64 count;
     u32 has_initial;
     u32 is_viscous;
+    u32 is_bedded;
+    u32 unused;
 };
 
 template <int D> INLINE void deform_block(const Deform &a, u32 block) {
     EACH(element, a.count) {
-        deform(((const ElementState<D> *)a.states)[element], a.has_initial, a.is_viscous,
-               ((ElementForces<D> *)a.forces)[element]);
+        const LawParts parts = {a.has_initial != 0, a.is_viscous != 0, a.is_bedded != 0};
+        deform(((const ElementState<D> *)a.states)[element], parts, ((ElementForces<D> *)a.forces)[element]);
     }
 }
 

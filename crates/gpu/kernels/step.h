@@ -15,6 +15,10 @@ struct SolidElements {
     // Of each element the number of its material, of each material the moduli of shear and bulk.
     const u32 *materials;
     const double *moduli;
+    // Of each material its bedding, whose normal is 0 where it has none, and of each element the present normal,
+    // which a step replaces; empty without bedding.
+    const void *beddings;
+    double *normals;
     // Initial stress of each element, and the energy that it has stored; empty without it.
     const double *initial;
     const double *stored;
@@ -78,7 +82,15 @@ template <int D> INLINE void deform_element(const SolidElements &a, u64 element)
         state.viscosity = a.viscosities[element];
         state.viscous = tensor_of<D>(a.viscous, element);
     }
-    deform(state, a.initial != 0, a.viscosities != 0, found);
+    LawParts parts = {a.initial != 0, a.viscosities != 0, false};
+    if (a.beddings) {
+        state.bedding = ((const Bedding<D> *)a.beddings)[a.materials[element]];
+        parts.bedded = dot<D>(state.bedding.normal, state.bedding.normal) > 0.0;
+    }
+    deform(state, parts, found);
+    if (parts.bedded) {
+        for (int axis = 0; axis < D; ++axis) a.normals[element * D + axis] = found.normal[axis];
+    }
     if (a.viscosities) {
         set_tensor(a.viscous, element, found.viscous);
         if (state.viscosity > 0.0) a.dissipated[element] += 0.5 * a.step * found.power * state.volume;

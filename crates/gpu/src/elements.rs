@@ -9,9 +9,9 @@ use crate::primitives::launch;
 /// Elements by the numbers that a kernel reads and writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ElementKind {
-    /// 25 numbers of a state, 17 of the results.
+    /// 32 numbers of a state, 19 of the results.
     Triangle,
-    /// 50 numbers of a state, 33 of the results.
+    /// 58 numbers of a state, 36 of the results.
     Tetrahedron,
 }
 
@@ -19,8 +19,8 @@ impl ElementKind {
     /// Numbers of the state of an element, and of its results.
     pub fn numbers(self) -> [usize; 2] {
         match self {
-            Self::Triangle => [25, 17],
-            Self::Tetrahedron => [50, 33],
+            Self::Triangle => [32, 19],
+            Self::Tetrahedron => [58, 36],
         }
     }
 
@@ -32,9 +32,9 @@ impl ElementKind {
     }
 }
 
-/// Deforms elements with the neo-Hookean law of fdem-simulation, with initial stress and viscosity if they
-/// are asked for: the numbers of each element in the order of `ElementState` there, to those in the order of
-/// `ElementForces`. Numbers that only viscosity has are 0 without it.
+/// Deforms elements with the neo-Hookean law of fdem-simulation, with initial stress, viscosity and bedding
+/// if they are asked for: the numbers of each element in the order of `ElementState` there, to those in the
+/// order of `ElementForces`. Numbers that only viscosity or bedding has are 0 without it.
 ///
 /// # Errors
 /// [`GpuError::OutOfMemory`], [`GpuError::Driver`].
@@ -45,7 +45,7 @@ pub fn deform(
     device: &impl Device,
     kind: ElementKind,
     states: &[f64],
-    [has_initial, is_viscous]: [bool; 2],
+    [has_initial, is_viscous, is_bedded]: [bool; 3],
 ) -> Result<Vec<f64>, GpuError> {
     let [state, results] = kind.numbers();
     let count = states.len() / state;
@@ -58,6 +58,8 @@ pub fn deform(
         count: count as u64,
         has_initial: u32::from(has_initial),
         is_viscous: u32::from(is_viscous),
+        is_bedded: u32::from(is_bedded),
+        unused: 0,
     };
     launch(device, kind.kernel(), count, &arguments)?;
     found.read(device, 0, &mut forces)?;

@@ -277,6 +277,8 @@ pub(crate) struct DeformArguments {
     pub(crate) count: u64,
     pub(crate) has_initial: u32,
     pub(crate) is_viscous: u32,
+    pub(crate) is_bedded: u32,
+    pub(crate) unused: u32,
 }
 
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -307,6 +309,8 @@ pub(crate) struct SolidElementArguments {
     pub(crate) volumes: Address,
     pub(crate) materials: Address,
     pub(crate) moduli: Address,
+    pub(crate) beddings: Address,
+    pub(crate) normals: Address,
     pub(crate) initial: Address,
     pub(crate) stored: Address,
     pub(crate) viscosities: Address,

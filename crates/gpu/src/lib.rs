@@ -16,8 +16,8 @@
 //!   them by any search. Both sort by one part of the crate, `sorted.rs`.
 //! - [`deform`] computes single elements.
 //! - [`DeviceSolid`] computes phases of a step for a simulation of fdem-simulation, which
-//!   [`put_on`](fdem_simulation::Simulation::put_on) hands over to it: elements with initial stress and
-//!   viscosity, joints that are whole or soften, contacts between elements, forces on corners, supports and
+//!   [`put_on`](fdem_simulation::Simulation::put_on) hands over to it: elements with initial stress,
+//!   viscosity and bedding, joints that are whole or soften, contacts between elements, forces on corners, supports and
 //!   prescribed motions, gravity, damping, and all sums of energies and works. It finds the elements whose
 //!   facets may fail. The processor computes the rest of such a run: loads, the search of couples that may
 //!   touch, rigid bodies, insertion and splitting, and joints in the step in which they begin to soften,
@@ -45,6 +45,7 @@
 //! | `extremes.h`: extremes, refused numbers | `elements.rs` | `placed.rs` |
 //! | `laws.h`: vectors and tensors | `vector.rs` | `laws.rs` |
 //! | `laws.h`: `stress`, `cube_root` | `simplex/triangle/elastic.rs`, `simplex/tetrahedron/elastic.rs` | `laws.rs` |
+//! | `laws.h`: `stress_of_rest`, `add_bedding` | `laws/transversely_isotropic.rs` | `laws.rs` |
 //! | `laws.h`: `viscous_stress` | `solid/viscous.rs` | `laws.rs` |
 //! | `laws.h`: `deform`, `forces_of` | `solid/batch.rs` | `laws.rs` |
 //! | `watch.h`: `find_moved` | `solid/watch.rs` | `steps.rs` |

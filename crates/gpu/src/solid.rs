@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use bytemuck::cast_slice;
 use fdem_simulation::{
-    Accelerator, CoupleColumns, CoupleStates, DeviceSum, ElementValues, FromDevice, HeldNode, JointColumns,
-    JointMemories, JointPatch, NodeMotion, NodeSums, NotedState, Press, PressSums, Pulled, SUM_PARTS,
-    SolidColumns, SolidPatch, SolidState,
+    Accelerator, CoupleColumns, CoupleStates, DeviceSum, ElementValues, FlatBedding, FromDevice, HeldNode,
+    JointColumns, JointMemories, JointPatch, NodeMotion, NodeSums, NotedState, Press, PressSums, Pulled,
+    SUM_PARTS, SolidColumns, SolidPatch, SolidState,
 };
 
 use crate::array::Array;
@@ -35,6 +35,7 @@ pub struct DeviceSolid<V: Device, const D: usize, const N: usize> {
     elements: usize,
     held: usize,
     is_viscous: bool,
+    is_bedded: bool,
     origin: [f64; D],
     positions: Array<V::Memory, f64>,
     velocities: Array<V::Memory, f64>,
@@ -49,6 +50,8 @@ pub struct DeviceSolid<V: Device, const D: usize, const N: usize> {
     volumes: Array<V::Memory, f64>,
     materials: Array<V::Memory, u32>,
     moduli: Array<V::Memory, f64>,
+    beddings: Array<V::Memory, f64>,
+    normals: Array<V::Memory, f64>,
     initial: Array<V::Memory, f64>,
     stored: Array<V::Memory, f64>,
     viscosities: Array<V::Memory, f64>,
@@ -98,6 +101,7 @@ impl<V: Device, const D: usize, const N: usize> DeviceSolid<V, D, N> {
             elements: 0,
             held: 0,
             is_viscous: false,
+            is_bedded: false,
             origin: [0.0; D],
             positions: Array::new(),
             velocities: Array::new(),
@@ -112,6 +116,8 @@ impl<V: Device, const D: usize, const N: usize> DeviceSolid<V, D, N> {
             volumes: Array::new(),
             materials: Array::new(),
             moduli: Array::new(),
+            beddings: Array::new(),
+            normals: Array::new(),
             initial: Array::new(),
             stored: Array::new(),
             viscosities: Array::new(),
@@ -160,6 +166,21 @@ impl<V: Device, const D: usize, const N: usize> DeviceSolid<V, D, N> {
         Ok(())
     }
 
+    /// The values of the wanted nodes, whose number this is.
+    fn gather(&mut self, values: u64, count: usize) -> Result<Vec<[f64; D]>, GpuError> {
+        let device = &*self.device;
+        let mut found = vec![[0.0; D]; count];
+        let arguments = GatheredArguments {
+            values,
+            numbers: self.wanted.address(device),
+            gathered: self.gathered.resize(device, D * count)?,
+            count: count as u64,
+        };
+        launch(device, Self::of(Kernel::GatherRows2, Kernel::GatherRows3), count, &arguments)?;
+        self.gathered.read(device, 0, found.as_flattened_mut())?;
+        Ok(found)
+    }
+
     /// The sums of rows of numbers; successive rows belong to one sum.
     fn sums<const ROWS: usize, const SUMS: usize>(
         &self,
@@ -180,6 +201,11 @@ fn words<const D: usize>(of: &HeldNode<D>) -> impl Iterator<Item = u32> {
     numbers.chain(values)
 }
 
+/// The bedding of a material, in the numbers of `Bedding` in the kernels.
+fn numbers<const D: usize>(of: &FlatBedding<D>) -> impl Iterator<Item = f64> + use<D> {
+    of.rest.into_iter().chain(of.normal)
+}
+
 impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> for DeviceSolid<V, D, N> {
     fn load(&mut self, solid: &SolidColumns<D, N>) -> FromDevice<()> {
         if (D != 2 && D != 3) || N != D + 1 {
@@ -187,7 +213,8 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
         }
         let device = &*self.device;
         (self.nodes, self.elements) = (solid.masses.len(), solid.elements.len());
-        (self.held, self.is_viscous) = (solid.held.len(), !solid.viscosities.is_empty());
+        self.held = solid.held.len();
+        (self.is_viscous, self.is_bedded) = (!solid.viscosities.is_empty(), !solid.beddings.is_empty());
         self.origin = solid.origin;
         self.masses.write(device, &solid.masses)?;
         self.true_masses.write_some(device, &solid.true_masses)?;
@@ -200,6 +227,8 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
         self.volumes.write(device, &solid.volumes)?;
         self.materials.write(device, &solid.materials)?;
         self.moduli.write(device, solid.moduli.as_flattened())?;
+        let beddings: Vec<f64> = solid.beddings.iter().flat_map(numbers).collect();
+        self.beddings.write_some(device, &beddings)?;
         self.initial.write_some(device, solid.initial.as_flattened().as_flattened())?;
         self.stored.write_some(device, &solid.stored)?;
         self.viscosities.write_some(device, &solid.viscosities)?;
@@ -226,6 +255,7 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
         self.forces.write(device, solid.forces.as_flattened().as_flattened())?;
         self.stresses.write(device, solid.stresses.as_flattened().as_flattened())?;
         self.energies.write(device, &solid.energies)?;
+        self.normals.write_some(device, solid.normals.as_flattened())?;
         self.viscous.write_some(device, solid.viscous.as_flattened().as_flattened())?;
         self.dissipated.write_some(device, &solid.dissipated)?;
         self.flags.write(device, &[0; 3])?;
@@ -236,6 +266,7 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
         let device = &*self.device;
         let (nodes, elements) = (self.nodes, self.elements);
         let viscous = if self.is_viscous { elements } else { 0 };
+        let bedded = if self.is_bedded { elements } else { 0 };
         let mut state = SolidState {
             positions: vec![[0.0; D]; nodes],
             velocities: vec![[0.0; D]; nodes],
@@ -244,12 +275,14 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
             energies: vec![0.0; elements],
             viscous: vec![[[0.0; D]; D]; viscous],
             dissipated: vec![0.0; viscous],
+            normals: vec![[0.0; D]; bedded],
         };
         self.positions.read(device, 0, state.positions.as_flattened_mut())?;
         self.velocities.read(device, 0, state.velocities.as_flattened_mut())?;
         self.forces.read(device, 0, state.forces.as_flattened_mut().as_flattened_mut())?;
         self.stresses.read(device, 0, state.stresses.as_flattened_mut().as_flattened_mut())?;
         self.energies.read(device, 0, &mut state.energies)?;
+        self.normals.read(device, 0, state.normals.as_flattened_mut())?;
         if self.is_viscous {
             self.viscous.read(device, 0, state.viscous.as_flattened_mut().as_flattened_mut())?;
             self.dissipated.read(device, 0, &mut state.dissipated)?;
@@ -267,6 +300,8 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
             volumes: self.volumes.address(device),
             materials: self.materials.address(device),
             moduli: self.moduli.address(device),
+            beddings: self.beddings.address(device),
+            normals: self.normals.address(device),
             initial: self.initial.address(device),
             stored: self.stored.address(device),
             viscosities: self.viscosities.address(device),
@@ -401,22 +436,15 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
         })
     }
 
-    fn read_nodes(&mut self, nodes: &[u32]) -> FromDevice<[Vec<[f64; D]>; 2]> {
+    fn read_positions(&mut self, nodes: &[u32]) -> FromDevice<Vec<[f64; D]>> {
         let device = &*self.device;
-        let mut found = [(); 2].map(|()| vec![[0.0; D]; nodes.len()]);
-        let columns = [&self.positions, &self.velocities].map(|column| column.address(device));
-        let wanted = self.wanted.write(device, nodes)?;
-        for (values, found) in columns.into_iter().zip(&mut found) {
-            let arguments = GatheredArguments {
-                values,
-                numbers: wanted,
-                gathered: self.gathered.resize(device, D * nodes.len())?,
-                count: nodes.len() as u64,
-            };
-            launch(device, Self::of(Kernel::GatherRows2, Kernel::GatherRows3), nodes.len(), &arguments)?;
-            self.gathered.read(device, 0, found.as_flattened_mut())?;
-        }
-        Ok(found)
+        self.wanted.write(device, nodes)?;
+        Ok(self.gather(self.positions.address(device), nodes.len())?)
+    }
+
+    fn read_nodes(&mut self, nodes: &[u32]) -> FromDevice<[Vec<[f64; D]>; 2]> {
+        let positions = self.read_positions(nodes)?;
+        Ok([positions, self.gather(self.velocities.address(&*self.device), nodes.len())?])
     }
 
     fn write_nodes(&mut self, nodes: &[u32], motion: &[Vec<[f64; D]>; 2]) -> FromDevice<()> {

@@ -6,7 +6,8 @@
 use fdem_gpu::{ElementKind, Host, HostBuild, deform, exponentials, soften_ends};
 use fdem_scenes::random::Random;
 use fdem_simulation::{
-    ElementForces, ElementState, EndMemory, FlatLaw, JointEnd, deform_tetrahedra, deform_triangles,
+    ElementForces, ElementState, EndMemory, FlatBedding, FlatLaw, JointEnd, deform_tetrahedra,
+    deform_triangles,
 };
 
 /// Elements of each kind.
@@ -38,7 +39,15 @@ fn element<const D: usize>(kind: u64, random: &mut Random) -> ElementState<D> {
     let deformed = std::array::from_fn(|i| {
         std::array::from_fn(|k| (0..D).map(|m| turned[i][m] * edges[m][k]).sum::<f64>())
     });
+    let normal = any(1.0)[0];
+    let size = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let rest = any(1e10).into_iter().chain(any(1e10)).flatten();
+    let mut rest = rest.chain(any(1e10)[0]);
     ElementState {
+        bedding: FlatBedding {
+            rest: std::array::from_fn(|_| rest.next().unwrap()),
+            normal: normal.map(|x| x / size),
+        },
         gradients,
         edges: deformed,
         rates: any(3.0),
@@ -77,21 +86,22 @@ fn inverse<const D: usize>(of: &[[f64; D]; D]) -> [[f64; D]; D] {
 fn numbers<const D: usize>(of: &ElementState<D>) -> impl Iterator<Item = f64> + use<D> {
     let tensors = [of.gradients, of.edges, of.rates, of.initial, of.viscous];
     let rest = [of.volume, of.viscosity, of.stored, of.shear, of.bulk];
-    tensors.into_iter().flatten().flatten().chain(rest)
+    tensors.into_iter().flatten().flatten().chain(rest).chain(of.bedding.rest).chain(of.bedding.normal)
 }
 
 /// The results of an element in the order of the kernels.
 fn results<const D: usize, const N: usize>(of: &ElementForces<D, N>) -> Vec<f64> {
     let tensors = of.stress.into_iter().chain(of.viscous);
     let rows = of.forces.into_iter().chain(tensors).flatten();
-    rows.chain([of.energy, of.ratio, of.power]).collect()
+    rows.chain([of.energy, of.ratio, of.power]).chain(of.normal).collect()
 }
 
 /// Number of elements with other bits on the device. The stress below the diagonal does not count.
 fn unlike<const D: usize, const N: usize>(
     build: HostBuild,
     kind: ElementKind,
-    on_processor: fn(&[ElementState<D>], [bool; 2]) -> Vec<ElementForces<D, N>>,
+    is_bedded: bool,
+    on_processor: fn(&[ElementState<D>], [bool; 3]) -> Vec<ElementForces<D, N>>,
 ) -> usize {
     let mut random = Random::new(5);
     let elements: Vec<ElementState<D>> = (0..COUNT).map(|kind| element(kind, &mut random)).collect();
@@ -101,11 +111,13 @@ fn unlike<const D: usize, const N: usize>(
         row >= D || row <= column
     };
     let mut unlike = 0;
-    for kinds in [[false, false], [false, true], [true, false], [true, true]] {
+    for [has_initial, is_viscous] in [[false, false], [false, true], [true, false], [true, true]] {
+        let kinds = [has_initial, is_viscous, is_bedded];
         let expected = on_processor(&elements, kinds);
         let found = deform(&Host(build), kind, &states, kinds).unwrap();
         for (expected, found) in expected.iter().zip(found.chunks(kind.numbers()[1])) {
             assert!(expected.forces[0][0] != 0.0 && expected.energy.is_finite(), "{expected:?}");
+            assert_eq!(expected.normal != [0.0; D], is_bedded);
             let expected = results(expected);
             assert_eq!(expected.len(), found.len());
             let mut pairs = expected.iter().zip(found).enumerate();
@@ -117,21 +129,34 @@ fn unlike<const D: usize, const N: usize>(
 
 #[test]
 fn triangles_have_the_bits_of_the_processor() {
-    assert_eq!(unlike(HostBuild::Ascending, ElementKind::Triangle, deform_triangles), 0);
+    assert_eq!(unlike(HostBuild::Ascending, ElementKind::Triangle, false, deform_triangles), 0);
 }
 
 #[test]
 fn tetrahedra_have_the_bits_of_the_processor() {
-    assert_eq!(unlike(HostBuild::Ascending, ElementKind::Tetrahedron, deform_tetrahedra), 0);
+    assert_eq!(unlike(HostBuild::Ascending, ElementKind::Tetrahedron, false, deform_tetrahedra), 0);
+}
+
+#[test]
+fn triangles_with_bedding_have_the_bits_of_the_processor() {
+    assert_eq!(unlike(HostBuild::Ascending, ElementKind::Triangle, true, deform_triangles), 0);
+}
+
+#[test]
+fn tetrahedra_with_bedding_have_the_bits_of_the_processor() {
+    assert_eq!(unlike(HostBuild::Ascending, ElementKind::Tetrahedron, true, deform_tetrahedra), 0);
 }
 
 #[test]
 fn a_product_and_a_sum_that_round_once_have_other_bits() {
     let all = 4 * COUNT as usize;
-    let triangles = unlike(HostBuild::Contracted, ElementKind::Triangle, deform_triangles);
-    assert!(triangles > all * 9 / 10, "{triangles} of {all}");
-    let tetrahedra = unlike(HostBuild::Contracted, ElementKind::Tetrahedron, deform_tetrahedra);
-    assert!(tetrahedra > all * 9 / 10, "{tetrahedra} of {all}");
+    for is_bedded in [false, true] {
+        let triangles = unlike(HostBuild::Contracted, ElementKind::Triangle, is_bedded, deform_triangles);
+        assert!(triangles > all * 9 / 10, "{triangles} of {all}");
+        let tetrahedra =
+            unlike(HostBuild::Contracted, ElementKind::Tetrahedron, is_bedded, deform_tetrahedra);
+        assert!(tetrahedra > all * 9 / 10, "{tetrahedra} of {all}");
+    }
 }
 
 /// The exponential function over all of its range, by values and by exponents.

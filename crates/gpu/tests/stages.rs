@@ -8,18 +8,19 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use fdem_gpu::kernels::Kernel;
 use fdem_gpu::{Device, DeviceSolid, GpuError, Host, HostBuild};
 use fdem_simulation::{
-    Bedding, Boundary, Change, FractureOptions, Insertion, Load, Material, MaterialLaw, Mesh, Model,
-    Schedule, Simulation, Strength, Target,
+    Boundary, Change, FractureOptions, Insertion, Load, Material, MaterialLaw, Mesh, Model, Schedule,
+    Simulation, Strength, Target,
 };
 
-/// The processor, which counts the kernels that it starts, and fails after a number of them.
+/// The processor, which counts the kernels that it starts, and fails after a number of them. It has no memory
+/// for arrays of a megabyte.
 struct Counted(Host, Arc<AtomicUsize>, usize);
 
 impl Device for Counted {
     type Memory = <Host as Device>::Memory;
 
     fn allocate(&self, bytes: usize) -> Result<Self::Memory, GpuError> {
-        self.0.allocate(bytes)
+        if bytes > 1_000_000 { Err(GpuError::OutOfMemory { bytes }) } else { self.0.allocate(bytes) }
     }
 
     fn address(&self, memory: &Self::Memory) -> u64 {
@@ -51,7 +52,10 @@ impl Device for Counted {
 
 /// A square of rock under the stress of the ground, held all around.
 fn ground(joined: bool, damping: f64) -> Model {
-    let cells = 12;
+    ground_of(12, joined, damping)
+}
+
+fn ground_of(cells: u32, joined: bool, damping: f64) -> Model {
     let side = cells + 1;
     let place = |k: u32| f64::from(k) / f64::from(cells);
     let nodes: Vec<[f64; 2]> = (0..side * side).map(|k| [place(k % side), place(k / side)]).collect();
@@ -146,25 +150,19 @@ fn stages_stay_on_the_device() {
     }
 }
 
-/// A stage that no device computes is an error; the run is on the processor then, and can continue.
+/// A stage for which the device has no memory is an error; the run is on the processor then, and can continue.
 #[test]
-fn a_stage_that_no_device_computes_is_an_error() {
+fn a_stage_for_which_the_device_has_no_memory_is_an_error() {
     let mut run = Simulation::new(ground(false, 0.0), 1).unwrap();
-    run.put_on(Box::new(DeviceSolid::new(Arc::new(Host(HostBuild::Ascending))))).unwrap();
+    let launched = Arc::new(AtomicUsize::new(0));
+    let device = Arc::new(Counted(Host(HostBuild::Ascending), Arc::clone(&launched), usize::MAX));
+    run.put_on(Box::new(DeviceSolid::new(device))).unwrap();
     run.advance(3).unwrap();
-    let mut model = ground(false, 0.0);
-    model.stresses.clear();
-    model.boundaries.clear();
-    model.materials[0].law = MaterialLaw::TransverselyIsotropic(Bedding {
-        normal: [0.0, 1.0, 0.0],
-        youngs_modulus: 4e10,
-        poissons_ratio: 0.2,
-        shear_modulus: 1e10,
-        strength: None,
-    });
-    let error = run.replace(Simulation::new(model, 1).unwrap()).unwrap_err();
-    assert_eq!(error.to_string(), "a device does not compute a material with bedding");
+    let error = run.replace(Simulation::new(ground_of(120, false, 0.0), 1).unwrap()).unwrap_err();
+    assert!(error.to_string().starts_with("the device cannot give "), "{error}");
+    let before = launched.load(Ordering::Relaxed);
     run.advance(3).unwrap();
+    assert_eq!(launched.load(Ordering::Relaxed), before);
 }
 
 /// A device that is lost ends the run with an error, and the last saved state continues on the processor.

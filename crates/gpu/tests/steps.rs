@@ -2,6 +2,8 @@
 
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "tests")]
 
+#[path = "steps/bedding.rs"]
+mod bedding;
 #[path = "steps/insertion.rs"]
 mod insertion;
 #[path = "steps/pores.rs"]
@@ -339,8 +341,19 @@ fn a_run_goes_to_a_device_and_back() {
     both(40, &unchanged, &|run| put_on(run, HostBuild::Descending).unwrap());
 }
 
-/// A device that counts the bytes that it sends to the host.
-struct Counted(Host, AtomicUsize);
+/// A device that counts the bytes that it sends to the host, and those that it gets.
+struct Counted(Host, [AtomicUsize; 2]);
+
+impl Counted {
+    fn new() -> Arc<Self> {
+        Arc::new(Self(Host(HostBuild::Ascending), Default::default()))
+    }
+
+    /// Bytes that have been sent so far, and those that it has got.
+    fn bytes(&self) -> [usize; 2] {
+        self.1.each_ref().map(|count| count.load(Ordering::Relaxed))
+    }
+}
 
 impl Device for Counted {
     type Memory = <Host as Device>::Memory;
@@ -358,11 +371,12 @@ impl Device for Counted {
     }
 
     fn write(&self, to: &mut Self::Memory, bytes: &[u8]) -> Result<(), GpuError> {
+        self.1[1].fetch_add(bytes.len(), Ordering::Relaxed);
         self.0.write(to, bytes)
     }
 
     fn read(&self, from: &Self::Memory, offset: usize, bytes: &mut [u8]) -> Result<(), GpuError> {
-        self.1.fetch_add(bytes.len(), Ordering::Relaxed);
+        self.1[0].fetch_add(bytes.len(), Ordering::Relaxed);
         self.0.read(from, offset, bytes)
     }
 
@@ -379,13 +393,13 @@ fn quiet_steps_copy_no_columns() {
     model.boundaries.push(load("pull", Target::Nodes(vec![30]), Load::Force([1.0; 2])));
     model.boundaries.push(load("press", facets(&model, 1, 1.0), Load::Pressure(10.0)));
     let elements = model.mesh.elements.len();
-    let device = Arc::new(Counted(Host(HostBuild::Ascending), AtomicUsize::new(0)));
+    let device = Counted::new();
     let mut run = Simulation::new(model, 1).unwrap();
     run.put_on(Box::new(DeviceSolid::new(Arc::clone(&device)))).unwrap();
     run.advance(1).unwrap();
-    let before = device.1.load(Ordering::Relaxed);
+    let [before, _] = device.bytes();
     run.advance(60).unwrap();
-    let copied = device.1.load(Ordering::Relaxed) - before;
+    let copied = device.bytes()[0] - before;
     // A step copies 10 kB, and all columns have 70 kB: for the energies of the last step, and once it is
     // done.
     assert!(copied < 60 * 15_000 + 150_000, "{copied} bytes, {elements} elements");
@@ -496,20 +510,23 @@ fn runs_go_to_a_device_and_back_while_bodies_touch() {
     contacts_go_to_a_device_and_back(joined::<3, 4>(15.0, 300.0), 25);
 }
 
-/// Steps in which bodies touch copy sums, and no columns, but for the nodes where couples are searched.
+/// Steps in which bodies touch copy sums, and no columns, but for the positions of the elements that can touch
+/// where couples of these are searched, and couples where they are chosen anew.
 #[test]
 fn steps_in_contact_copy_no_columns() {
-    let device = Arc::new(Counted(Host(HostBuild::Ascending), AtomicUsize::new(0)));
+    let device = Counted::new();
     let mut run = Simulation::new(meeting::<2, 3>(20), 1).unwrap();
     run.put_on(Box::new(DeviceSolid::new(Arc::clone(&device)))).unwrap();
     run.advance(40).unwrap();
-    let (before, detections) = (device.1.load(Ordering::Relaxed), run.counts().detections);
+    let (before, detections) = (device.bytes(), run.counts().detections);
     run.advance(60).unwrap();
-    let copied = device.1.load(Ordering::Relaxed) - before;
+    let [sent, got] = [0, 1].map(|way| device.bytes()[way] - before[way]);
     let searched = run.counts().detections - detections;
-    // The sums of a step have 15 kB, nodes and couples of a search 80 kB, all columns 250 kB: for the
-    // energies of the last step, and once it is done.
-    assert!(copied < 60 * 60_000, "{copied} bytes, {searched} detections");
+    // The sums of a step have 15 kB, positions of a search 5 kB, and all columns 250 kB: for the energies of
+    // the last step, and once it is done. With all nodes and couples in each search it would be 1.6 MB.
+    assert!(searched > 5 && sent < 1_450_000, "{sent} bytes, {searched} detections");
+    // Couples, where they are chosen anew.
+    assert!(got < 550_000, "{got} bytes");
     assert!(run.counts().contacts > 10, "{:?}", run.counts());
 }
 

@@ -46,8 +46,11 @@ pub struct SolidColumns<const D: usize, const N: usize> {
     /// Volumes of the undeformed elements, m³; 0 for those of rigid bodies, which have no stress and no
     /// forces.
     pub volumes: Vec<f64>,
-    /// Moduli of shear and bulk of each material, Pa, of the neo-Hookean law.
+    /// Moduli of shear and bulk of each material, Pa, of the neo-Hookean law or of its share in that of a
+    /// material with bedding.
     pub moduli: Vec<[f64; 2]>,
+    /// Bedding of each material; empty if none has any.
+    pub beddings: Vec<FlatBedding<D>>,
     /// Material of each element.
     pub materials: Vec<u32>,
     /// Viscosity of each element, Pa s; empty without viscosity.
@@ -56,6 +59,16 @@ pub struct SolidColumns<const D: usize, const N: usize> {
     pub initial: Vec<[[f64; D]; D]>,
     /// Energy that the initial stress has stored, J/m³; empty without initial stress.
     pub stored: Vec<f64>,
+}
+
+/// The bedding of a material, whose law is the neo-Hookean one and this.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlatBedding<const D: usize> {
+    /// The rest of the stiffness, Pa: λ, µ, α, κ and β of half of `λ (tr E)² + 2 µ E:E + 2 α (tr E)(n·E n) +
+    /// 2 κ |E n|² + β (n·E n)²`, the energy of a strain `E`.
+    pub rest: [f64; 5],
+    /// Its normal `n` in the undeformed body, of unit length; 0 for a material without bedding.
+    pub normal: [f64; D],
 }
 
 /// A node that boundaries hold or move, by axes.
@@ -105,6 +118,8 @@ pub struct SolidState<const D: usize, const N: usize> {
     pub viscous: Vec<[[f64; D]; D]>,
     /// Energy that viscosity has dissipated in each element so far, J; empty without viscosity.
     pub dissipated: Vec<f64>,
+    /// Present normal of the bedding of each element, of unit length; empty if no material has any.
+    pub normals: Vec<[f64; D]>,
 }
 
 /// Joints, as far as a device does not change them.
@@ -394,6 +409,12 @@ pub trait Accelerator<const D: usize, const N: usize>: fmt::Debug + Send {
     /// # Errors
     /// The device fails.
     fn move_nodes(&mut self, motion: &NodeMotion<'_, D>) -> FromDevice<NodeSums<D>>;
+
+    /// The present positions of some nodes, m, in this order.
+    ///
+    /// # Errors
+    /// The device has too little memory, or fails.
+    fn read_positions(&mut self, nodes: &[u32]) -> FromDevice<Vec<[f64; D]>>;
 
     /// The present positions of some nodes, m, and their velocities, m/s, in this order.
     ///

@@ -99,9 +99,38 @@ where
         team: &Team,
     ) -> Result<(), Stop> {
         self.watch_bare(joints, topology);
+        let chooses = self.look(solid, joints, topology, team)?;
+        self.renew(solid, joints, topology, chooses, team);
+        Ok(())
+    }
+
+    /// Updates the search with the present positions of the watched elements, as far as motion requires.
+    /// Returns whether couples are to be chosen. The bare elements must be watched before.
+    pub(crate) fn look(
+        &mut self,
+        solid: &Solid<D, N>,
+        joints: &Joints<D>,
+        topology: &Topology<D, N>,
+        team: &Team,
+    ) -> Result<bool, Stop> {
+        let Self { laws, surface, elements, .. } = self;
+        elements.look(&ElementPass { solid, joints, topology, surface, laws }, team)
+    }
+
+    /// Chooses the couples anew if the search asks for it, and adds those of elements that have separated.
+    pub(crate) fn renew(
+        &mut self,
+        solid: &Solid<D, N>,
+        joints: &Joints<D>,
+        topology: &Topology<D, N>,
+        chooses: bool,
+        team: &Team,
+    ) {
         let Self { laws, surface, initial_overlap, elements } = self;
         let pass = ElementPass { solid, joints, topology, surface, laws };
-        elements.detect(&pass, team)?;
+        if chooses {
+            elements.choose_near(&pass, team);
+        }
         elements.add(pass.parted());
         if !surface.bared.is_empty() {
             elements.note_overlaps(Overlap::Credited, |pair| surface.has_bared(*pair));
@@ -112,7 +141,6 @@ where
         surface.parted.clear();
         surface.bared.clear();
         surface.new.clear();
-        Ok(())
     }
 
     /// Watches all bare elements, and those beside them.
@@ -124,8 +152,18 @@ where
 
     /// Whether [`Contacts::detect`] has anything to do.
     pub(crate) fn is_detection_due(&self) -> bool {
-        let Surface { parted, bared, new, unwatched, .. } = &self.surface;
-        *unwatched || !(parted.is_empty() && bared.is_empty() && new.is_empty()) || self.elements.is_due()
+        self.surface.unwatched || self.is_renewed() || self.elements.is_due()
+    }
+
+    /// Whether couples change because elements have separated, become bare, or are new.
+    pub(crate) fn is_renewed(&self) -> bool {
+        let Surface { parted, bared, new, .. } = &self.surface;
+        !(parted.is_empty() && bared.is_empty() && new.is_empty())
+    }
+
+    /// The elements whose positions the next [`Contacts::look`] reads, ascending.
+    pub(crate) fn looked_at(&self) -> &[u32] {
+        if self.elements.is_due() { &self.surface.list } else { &[] }
     }
 
     /// Whether any couple touches, or is not known to be apart.

@@ -24,7 +24,7 @@ mod transversely_isotropic;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use crate::laws::element_law::{ElementLaw, Refusal};
-use crate::laws::transversely_isotropic::Bedded;
+pub(crate) use crate::laws::transversely_isotropic::Bedded;
 pub use crate::laws::transversely_isotropic::Bedding;
 use crate::moduli::{Moduli, Plane};
 use crate::simplex::Simplex;

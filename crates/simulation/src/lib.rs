@@ -211,9 +211,9 @@ mod error;
 
 pub use accelerator::{
     Accelerator, BY_HOST, CoupleColumns, CoupleStates, DeviceSum, Drive, ElementValues, EndMemory,
-    FlatContact, FlatGrip, FlatLaw, FromDevice, HeldNode, HoldKind, JointColumns, JointKind, JointMemories,
-    JointPatch, NO_NUMBER, NodeMotion, NodeSums, NotedState, Press, PressSums, Pulled, SUM_PARTS,
-    SolidColumns, SolidPatch, SolidState,
+    FlatBedding, FlatContact, FlatGrip, FlatLaw, FromDevice, HeldNode, HoldKind, JointColumns, JointKind,
+    JointMemories, JointPatch, NO_NUMBER, NodeMotion, NodeSums, NotedState, Press, PressSums, Pulled,
+    SUM_PARTS, SolidColumns, SolidPatch, SolidState,
 };
 pub use actions::cavity::CavityState;
 pub use actions::seams::InitialContacts;

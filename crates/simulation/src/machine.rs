@@ -89,6 +89,12 @@ pub(crate) trait Machine<const D: usize, const N: usize>: fmt::Debug + Send + Sy
     /// Strain energy in the last pass, and energy that viscosity and laws have dissipated so far, J.
     fn energies(&self) -> [Sum; 2];
 
+    /// Calls `look` with the nodes and elements, of which rigid bodies are those after the last phase: their
+    /// motions, their nodes, and the forces on them.
+    fn look_at_rigid(&self, look: &mut dyn FnMut(&Solid<D, N>)) {
+        look(&self.columns().solid);
+    }
+
     /// The columns after the last phase.
     fn columns(&self) -> &Columns<D, N>;
 

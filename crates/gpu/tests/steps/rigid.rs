@@ -1,13 +1,14 @@
 //! Rigid bodies, and surfaces that touch from the beginning, on a device's run.
 
-use fdem_gpu::HostBuild;
+use std::sync::Arc;
+
+use fdem_gpu::{DeviceSolid, HostBuild};
 use fdem_simulation::{
-    Bedding, Element, Insertion, Load, MaterialLaw, Model, Schedule, Simulation, State, Target,
-    UntilOverloaded,
+    Element, Insertion, Load, Model, Schedule, Simulation, State, Target, UntilOverloaded,
 };
 use serde::Serialize;
 
-use crate::{boundary, bytes, joined, model, put_on, same};
+use crate::{Counted, boundary, bytes, joined, model, put_on, same};
 
 /// A second body like the first, above it by this distance, m, and moved aside.
 fn two_bodies<const D: usize, const N: usize>(mut model: Model<D, N>, distance: f64) -> Model<D, N> {
@@ -93,27 +94,41 @@ fn surfaces_that_touch_from_the_beginning_have_the_state_of_the_processor() {
     same(&model, 60, 1e-4);
 }
 
+/// Rigid bodies that are overloaded when they fall on another, and deform and break from then on.
+fn overloaded_bodies_are_those_of_the_processor<const D: usize, const N: usize>()
+where
+    [[f64; D]; N]: Element<D, N>,
+    State<D, N>: Serialize,
+{
+    let mut model = falling::<D, N>(false, false);
+    model.until_overloaded = vec![UntilOverloaded { body: 1, share: 0.3 }];
+    let (mut expected, mut run) =
+        (Simulation::new(model.clone(), 1).unwrap(), Simulation::new(model, 1).unwrap());
+    let device = Counted::new();
+    let (mut sent, mut released) = (Vec::new(), Vec::new());
+    for part in 0..7 {
+        match part {
+            0 | 5 => run.put_on(Box::new(DeviceSolid::new(Arc::clone(&device)))).unwrap(),
+            4 => run.take_back(),
+            _ => {}
+        }
+        for run in [&mut run, &mut expected] {
+            run.advance(40).unwrap();
+        }
+        assert!(bytes(&run) == bytes(&expected), "after {} steps", run.steps());
+        assert_eq!(run.energies(), expected.energies());
+        assert_eq!(run.snapshot(), expected.snapshot());
+        assert_eq!(run.released_bodies(), expected.released_bodies());
+        released.push(expected.released_bodies().len());
+        sent.push(device.bytes()[0]);
+    }
+    assert_eq!(released[0], 0, "{released:?}");
+    // It is released on the device, and stays there.
+    assert!(released[2] == 1 && sent[3] > sent[2] && sent[4] == sent[3], "{released:?}, {sent:?}");
+}
+
 #[test]
-fn runs_that_no_device_computes_are_refused() {
-    let refused = |model: Model| {
-        let mut run = Simulation::new(model, 1).unwrap();
-        let error = put_on(&mut run, HostBuild::Ascending).unwrap_err();
-        run.advance(3).unwrap();
-        error.to_string()
-    };
-    let mut bedded = model::<2, 3>(0.0, [0.0; 2]);
-    bedded.materials[1].law = MaterialLaw::TransverselyIsotropic(Bedding {
-        normal: [0.0, 1.0, 0.0],
-        youngs_modulus: 4e6,
-        poissons_ratio: 0.2,
-        shear_modulus: 1e6,
-        strength: None,
-    });
-    assert_eq!(refused(bedded), "a device does not compute a material with bedding");
-    let mut overloaded = falling::<2, 3>(false, false);
-    overloaded.until_overloaded = vec![UntilOverloaded { body: 1, share: 0.5 }];
-    assert_eq!(
-        refused(overloaded),
-        "a device does not compute bodies that are rigid until they are overloaded"
-    );
+fn bodies_that_are_overloaded_deform_as_on_the_processor() {
+    overloaded_bodies_are_those_of_the_processor::<2, 3>();
+    overloaded_bodies_are_those_of_the_processor::<3, 4>();
 }

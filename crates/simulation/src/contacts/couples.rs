@@ -155,17 +155,12 @@ impl<const D: usize, P: Pair> Couples<D, P> {
         self.all.iter().any(|couple| couple.touches || couple.apart_until <= self.travel)
     }
 
-    /// Updates the couples as far as motion requires.
-    pub(crate) fn detect<S: PairPass<D, Pair = P>>(&mut self, pass: &S, team: &Team) -> Result<(), Stop> {
-        if self.is_due() {
-            self.look(pass, team)?;
-            self.looked = self.travel;
+    /// Updates the search as far as motion requires, with the boxes of all parts. Returns whether couples are
+    /// to be chosen then: those that were not chosen before must not touch before the next update.
+    pub(super) fn look<S: PairPass<D, Pair = P>>(&mut self, pass: &S, team: &Team) -> Result<bool, Stop> {
+        if !self.is_due() {
+            return Ok(false);
         }
-        Ok(())
-    }
-
-    /// Updates the search with the boxes of all parts.
-    fn look<S: PairPass<D, Pair = P>>(&mut self, pass: &S, team: &Team) -> Result<(), Stop> {
         let [ones, others] = pass.searched();
         let count = ones.len() + others.len();
         let [mut min, mut max] = [vec![[0.0; D]; count], vec![[0.0; D]; count]];
@@ -178,30 +173,34 @@ impl<const D: usize, P: Pair> Couples<D, P> {
             }
         });
         let update = self.search.update(&Boxes::boxes(&min, &max)?.with_tolerance(self.slack)?)?;
-        self.detections += u64::from(update.redetected());
-        // Couples that were not chosen must not touch before the next update.
-        if update.redetected() || 2.0 * (self.travel - self.chosen) + self.slack > self.buffer {
-            let candidates = update.candidates();
-            let (travel, buffer) = (self.travel, self.buffer);
-            let parts = |&Candidate { i, j }: &Candidate| {
-                let [i, j] = [i as usize, j as usize];
-                if S::ALIKE {
-                    return Some([ones[i], ones[j]]);
-                }
-                Some([*ones.get(i)?, *others.get(j.checked_sub(ones.len())?)?])
-            };
-            let acts = |parts: &[u32; 2]| pass.one().acts(parts[0]) || pass.other().acts(parts[1]);
-            let found = team.look(candidates.len(), |range| {
-                let acting = candidates[range].iter().filter_map(parts).filter(acts);
-                let couples = acting.filter_map(|parts| pass.couple(parts));
-                couples.filter_map(|couple| near(couple, pass, travel, buffer)).collect::<Vec<_>>()
-            });
-            self.chosen = self.travel;
-            let mut couples = Vec::with_capacity(found.iter().map(Vec::len).sum());
-            couples.extend(found.into_iter().flatten());
-            self.choose(couples);
-        }
-        Ok(())
+        let is_new = update.redetected();
+        self.detections += u64::from(is_new);
+        self.looked = self.travel;
+        Ok(is_new || 2.0 * (self.travel - self.chosen) + self.slack > self.buffer)
+    }
+
+    /// Chooses the couples among the candidates of the last update whose parts are near.
+    pub(super) fn choose_near<S: PairPass<D, Pair = P>>(&mut self, pass: &S, team: &Team) {
+        let [ones, others] = pass.searched();
+        let candidates = self.search.candidates();
+        let (travel, buffer) = (self.travel, self.buffer);
+        let parts = |&Candidate { i, j }: &Candidate| {
+            let [i, j] = [i as usize, j as usize];
+            if S::ALIKE {
+                return Some([ones[i], ones[j]]);
+            }
+            Some([*ones.get(i)?, *others.get(j.checked_sub(ones.len())?)?])
+        };
+        let acts = |parts: &[u32; 2]| pass.one().acts(parts[0]) || pass.other().acts(parts[1]);
+        let found = team.look(candidates.len(), |range| {
+            let acting = candidates[range].iter().filter_map(parts).filter(acts);
+            let couples = acting.filter_map(|parts| pass.couple(parts));
+            couples.filter_map(|couple| near(couple, pass, travel, buffer)).collect::<Vec<_>>()
+        });
+        self.chosen = self.travel;
+        let mut couples = Vec::with_capacity(found.iter().map(Vec::len).sum());
+        couples.extend(found.into_iter().flatten());
+        self.choose(couples);
     }
 
     /// All couples, ascending.

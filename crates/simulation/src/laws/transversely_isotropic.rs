@@ -32,6 +32,7 @@ mod tests;
 
 use serde::{Deserialize, Serialize};
 
+use crate::accelerator::FlatBedding;
 use crate::lanes::{Lanes, row, set_row};
 use crate::laws::element_law::{ElementLaw, Refusal, Response};
 use crate::simplex::Simplex;
@@ -208,7 +209,7 @@ impl Stiffness {
         of_sizes.min(self.shear / shear).min(self.shear_across() / shear)
     }
 
-    /// Stress of a strain, and its energy, J/m³.
+    /// Stress of a strain, and its energy, J/m³. Twin: `stress_of_rest` in `crates/gpu/kernels/laws.h`.
     #[inline(always)]
     fn stress<const D: usize>(&self, normal: Point<D>, strain: &Matrix<D>) -> (Matrix<D>, f64) {
         let Self { lame, shear, coupling, excess, along } = *self;
@@ -251,6 +252,18 @@ pub(crate) struct BatchConstants<const D: usize> {
 }
 
 impl<const D: usize> Bedded<D> {
+    /// The law as plain numbers, with the moduli of shear and bulk of its share of the neo-Hookean energy, Pa.
+    pub(crate) fn flat(&self) -> ([f64; 2], FlatBedding<D>) {
+        (self.isotropic, FlatBedding { rest: self.rest(), normal: self.normal })
+    }
+
+    /// The law with these numbers, as far as stresses depend on it.
+    pub(crate) fn of_flat(isotropic: [f64; 2], bedding: &FlatBedding<D>) -> Self {
+        let [lame, shear, coupling, excess, along] = bedding.rest;
+        let rest = Stiffness { lame, shear, coupling, excess, along };
+        Self { isotropic, rest, whole: rest, normal: bedding.normal, out_of_plane: [0.0; 2] }
+    }
+
     fn rest(&self) -> [f64; 5] {
         let Stiffness { lame, shear, coupling, excess, along } = self.rest;
         [lame, shear, coupling, excess, along]
@@ -375,7 +388,8 @@ where
     }
 }
 
-/// Adds the part of the bedding to the response of the isotropic part, and keeps the present normal.
+/// Adds the part of the bedding to the response of the isotropic part, and keeps the present normal. Twin:
+/// `add_bedding` in `crates/gpu/kernels/laws.h`.
 #[inline(always)]
 fn with_bedding<const D: usize, const N: usize>(
     constants: &BatchConstants<D>,

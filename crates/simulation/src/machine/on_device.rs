@@ -3,7 +3,8 @@
 //! The device has nodes, elements, joints, and couples of elements while any of these is near. It computes
 //! their phases. The host computes all others on its columns: it copies them when a phase or anything else
 //! asks for them, and the device takes changed ones over before its next phase. Phases that have nothing to
-//! do ask for none. The search of couples gets the nodes and the couples (`on_device/contacts.rs`).
+//! do ask for none. The search of couples gets the elements that can touch
+//! (`on_device/contacts.rs`).
 //!
 //! Joints that change their kind, the check of facets, insertion and splitting concern few nodes, elements
 //! and joints. The host reads the values of these only, computes, and sends the changes
@@ -29,7 +30,7 @@ use crate::motion::{MotionSums, RelaxationSums, Selected};
 use crate::rotation::lifted;
 use crate::share::Share;
 use crate::simplex::Simplex;
-use crate::solid::Node;
+use crate::solid::{Node, Solid};
 use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::Topology;
@@ -364,6 +365,11 @@ where
                 Default::default()
             }
         }
+    }
+
+    /// The host moves rigid bodies, and has read the forces on them.
+    fn look_at_rigid(&self, look: &mut dyn FnMut(&Solid<D, N>)) {
+        self.of_known(|columns| look(&columns.solid));
     }
 
     fn columns(&self) -> &Columns<D, N> {

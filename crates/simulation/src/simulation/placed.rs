@@ -12,25 +12,18 @@ where
 {
     /// Puts the run on a device, which computes the elements, joints, contacts, supports and the motion of
     /// the nodes from the next step on; the processor computes all else. Results are the same to the last
-    /// bit. A step copies all nodes where couples of elements are searched, and all columns where more than
-    /// 1 % of the facets fail. Where fewer fail, or joints begin to soften or break, it copies the values
+    /// bit. A step copies the positions of elements that can touch where couples of these are searched, and
+    /// all columns where more than 1 % of the facets fail. Where fewer fail, or joints begin to soften or break, it copies the values
     /// around these.
     ///
     /// # Errors
-    /// [`ModelError::OnDevice`] if the device has too little memory or fails, and for runs that no device
-    /// computes: parts of a run on many ranks, materials with bedding, and bodies that are rigid until they
-    /// are overloaded. The run stays where it is then.
+    /// [`ModelError::OnDevice`] if the device has too little memory or fails, and for a part of a run on many
+    /// ranks. The run stays where it is then.
     pub fn put_on(&mut self, device: Box<dyn Accelerator<D, N>>) -> Result<(), ModelError> {
         let refused = |why: &str| Err(ModelError::OnDevice { why: why.to_owned() });
         let columns = self.machine.columns();
         if self.part.is_some() {
             return refused("a device computes whole runs only, and no part of one");
-        }
-        if let Some(part) = columns.solid.not_on_device() {
-            return refused(&format!("a device does not compute {part}"));
-        }
-        if !self.model.until_overloaded.is_empty() {
-            return refused("a device does not compute bodies that are rigid until they are overloaded");
         }
         let holds = self.actions.prescribed.on_device(&self.model, &columns.solid);
         let machine = OnDevice::new(device, columns.clone(), holds, self.team.clone());
@@ -50,6 +43,11 @@ where
     pub fn replace(&mut self, mut with: Self) -> Result<(), ModelError> {
         with.go_on(self.timings(), self.contacts().detections());
         with.actions.spheres.keep_law(&mut self.actions.spheres);
+        self.stand_in(with)
+    }
+
+    /// Continues as another run, which is on the processor, where this one is.
+    pub(super) fn stand_in(&mut self, with: Self) -> Result<(), ModelError> {
         let before = std::mem::replace(self, with);
         before.machine.into_device().map_or(Ok(()), |device| self.put_on(device))
     }

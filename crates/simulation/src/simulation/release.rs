@@ -26,32 +26,37 @@ where
     /// After a step: releases the rigid bodies that are overloaded.
     ///
     /// # Cost
-    /// Three times that of [`Simulation::new`], if there are any.
+    /// Three times that of [`Simulation::new`], if there are any. A device sends and gets all columns then.
     pub(super) fn release_overloaded(&mut self) -> Result<(), Stop> {
         if self.model.until_overloaded.is_empty() {
             return Ok(());
         }
-        let mut released = Vec::new();
-        let mut stresses = Vec::new();
-        let solid = self.solid();
-        for (place, body) in self.model.rigid.iter().enumerate() {
-            let Some(until) = self.model.until_overloaded(*body) else { continue };
-            let load = solid.overload(place, &self.model, &self.topology);
-            if load < until.share {
-                continue;
+        let mut overloaded = Vec::new();
+        let Self { model, topology, machine, .. } = &*self;
+        machine.look_at_rigid(&mut |solid| {
+            for (place, body) in model.rigid.iter().enumerate() {
+                let Some(until) = model.until_overloaded(*body) else { continue };
+                let load = solid.overload(place, model, topology);
+                if load < until.share {
+                    continue;
+                }
+                overloaded.push((place, until.share / load));
             }
+        });
+        if overloaded.is_empty() {
+            return Ok(());
+        }
+        let (mut released, mut stresses) = (Vec::new(), Vec::new());
+        let solid = self.solid();
+        for (place, part) in overloaded {
             // A blow passes the share within a step. The body would have deformed under the share, and gets
             // the stress of that: with all of it, it would have more energy than the blow.
-            let part = until.share / load;
             let turn: Matrix<3> = matrix_of(solid.rigid.motions[place].orientation);
             for (element, stress) in solid.balanced_stresses(place, &self.model) {
                 let stress = stress.map(|row| row.map(|x| part * x));
                 released.push((element, stress));
                 stresses.push((element, turned_by(&turn, &stress)));
             }
-        }
-        if released.is_empty() {
-            return Ok(());
         }
         self.change_to(released, &stresses).map_err(|error| Stop::Released(error.to_string()))
     }
@@ -92,8 +97,8 @@ where
         let held = self.held.iter().map(|&(node, force)| (number[node as usize], force)).collect();
         let Self { imbalance, timings, .. } = *self;
         let (joint_elastic, touching) = (self.joint_elastic.clone(), std::mem::take(&mut self.touching));
-        *self = Self { imbalance, held, joint_elastic, touching, timings, ..new };
-        Ok(())
+        let new = Self { imbalance, held, joint_elastic, touching, timings, ..new };
+        self.stand_in(new)
     }
 }
 

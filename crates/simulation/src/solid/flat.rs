@@ -1,6 +1,6 @@
 //! The columns of a solid as plain lists, for machines with a memory of their own.
 
-use crate::accelerator::{BY_HOST, HeldNode, SolidColumns, SolidState};
+use crate::accelerator::{BY_HOST, FlatBedding, HeldNode, SolidColumns, SolidState};
 use crate::lanes::{LANES, set_tensor, tensor};
 use crate::laws::AnyLaw;
 use crate::simplex::Simplex;
@@ -26,11 +26,13 @@ where
             Some(held.len() as u32 - 1)
         };
         let places = nodes.clone().map(|node| place(node).unwrap_or(NONE)).collect();
-        let moduli = |law: &AnyLaw<D>| match law {
-            AnyLaw::NeoHookean(moduli) => [moduli.shear, moduli.bulk],
-            // Refused: see `on_device`.
-            AnyLaw::Bedded(_) => [0.0; 2],
+        let law = |law: &AnyLaw<D>| match law {
+            AnyLaw::NeoHookean(moduli) => {
+                ([moduli.shear, moduli.bulk], FlatBedding { rest: [0.0; 5], normal: [0.0; D] })
+            }
+            AnyLaw::Bedded(bedded) => bedded.flat(),
         };
+        let (moduli, beddings): (Vec<_>, Vec<_>) = self.constitutions.iter().map(|of| law(&of.law)).unzip();
         let material = |element: usize| self.elements[element].material;
         let viscosity = |(element, height): (usize, &f64)| {
             self.constitutions[material(element) as usize].viscosity * height
@@ -46,7 +48,8 @@ where
             ranges: nodes.map(|node| self.corners.range(node)).collect(),
             gradients: elements.clone().map(|element| self.inverse_edges(element)).collect(),
             volumes: elements.clone().map(|e| self.undeformed[e / LANES].volume.get(e % LANES)).collect(),
-            moduli: self.constitutions.iter().map(|of| moduli(&of.law)).collect(),
+            moduli,
+            beddings: if self.has_bedding() { beddings } else { Vec::new() },
             materials: elements.map(material).collect(),
             viscosities: self.heights.iter().enumerate().map(viscosity).collect(),
             initial: self.prestress.iter().map(|of| of.stress).collect(),
@@ -58,6 +61,11 @@ where
     pub(crate) fn flat_state(&self) -> SolidState<D, N> {
         let elements = 0..self.element_count();
         let is_viscous = !self.heights.is_empty();
+        let normal = |element: usize| {
+            let mut memory = self.memory_of(element);
+            std::array::from_fn(|_| memory.next().unwrap_or_default())
+        };
+        let normals = elements.clone().map(normal);
         SolidState {
             positions: self.positions.clone(),
             velocities: self.velocities.clone(),
@@ -66,6 +74,7 @@ where
             energies: elements.map(|element| self.energy(element)).collect(),
             viscous: if is_viscous { self.viscous() } else { Vec::new() },
             dissipated: if is_viscous { self.dissipated() } else { Vec::new() },
+            normals: if self.has_bedding() { normals.collect() } else { Vec::new() },
         }
     }
 
@@ -79,6 +88,9 @@ where
         }
         for (number, dissipated) in state.dissipated.iter().enumerate() {
             self.histories[number / LANES].dissipated.set(number % LANES, *dissipated);
+        }
+        for (number, normal) in state.normals.iter().enumerate() {
+            self.histories[number / LANES].set_memory(number % LANES, normal);
         }
         for (number, stress) in state.stresses.iter().enumerate() {
             self.deformed[number / LANES].set_stress(number % LANES, stress);
@@ -99,9 +111,8 @@ where
         all.into_iter().find(|(_, ratio)| *ratio <= 0.0 || ratio.is_nan())
     }
 
-    /// Why a device cannot compute this solid, if it cannot.
-    pub(crate) fn not_on_device(&self) -> Option<&'static str> {
-        let bedded = |law: &AnyLaw<D>| matches!(law, AnyLaw::Bedded(_));
-        self.constitutions.iter().any(|of| bedded(&of.law)).then_some("a material with bedding")
+    /// Whether a material has bedding.
+    fn has_bedding(&self) -> bool {
+        self.constitutions.iter().any(|of| matches!(of.law, AnyLaw::Bedded(_)))
     }
 }

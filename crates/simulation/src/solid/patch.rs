@@ -44,6 +44,13 @@ where
         }
     }
 
+    /// Takes the present positions of some nodes over.
+    pub(crate) fn take_positions(&mut self, nodes: &[u32], positions: &[Point<D>]) {
+        for (&node, position) in nodes.iter().zip(positions) {
+            self.positions[node as usize] = *position;
+        }
+    }
+
     /// The present positions and velocities of some nodes.
     pub(crate) fn motion_of(&self, nodes: &[u32]) -> [Vec<Point<D>>; 2] {
         [&self.positions, &self.velocities]

@@ -134,8 +134,9 @@ fn the_power_of_viscosity_has_the_stress_before_the_step_for_any_strain() {
             stored: 0.0,
             shear: 2e10,
             bulk: 3e10,
+            bedding: FlatBedding { rest: [0.0; 5], normal: [0.0; 3] },
         };
-        let found = deform_tetrahedra(&[element], [false, true])[0];
+        let found = deform_tetrahedra(&[element], [false, true, false])[0];
         assert!(found.viscous[0][0] > 10.0, "{found:?}");
         assert_eq!(found.power, 2.0 * 7.0 + 2.0 * found.viscous[0][0], "{stretch}");
     }

@@ -79,8 +79,7 @@ pub(crate) struct CheckArguments {
     pub(crate) ranks: Option<usize>,
 
     /// Also estimate a run on a graphics processor, `gpu` or `gpu:N` with a number of `fdem devices`: its
-    /// memory there, whether it fits, and a guess of its time. A model that it does not compute is refused.
-    /// Without such a card there is all but the fit.
+    /// memory there, whether it fits, and a guess of its time. Without such a card there is all but the fit.
     #[arg(long, value_name = "DEVICE", default_value = "cpu", conflicts_with = "ranks")]
     pub(crate) device: DeviceName,
 

@@ -331,8 +331,12 @@ impl Heap {
             let Self { spheres, floor, team, among, on_floor, .. } = self;
             let pass = SpherePass::<true>::new(spheres, spheres);
             let fixed = SpherePass::<false>::new(spheres, floor);
-            among.detect(&pass, team).unwrap();
-            on_floor.detect(&fixed, team).unwrap();
+            if among.look(&pass, team).unwrap() {
+                among.choose_near(&pass, team);
+            }
+            if on_floor.look(&fixed, team).unwrap() {
+                on_floor.choose_near(&fixed, team);
+            }
             let grains = Grains::of(1.0);
             let found = [
                 among.press(&pass, &mut forces[..], STEP, grains, true, team),

@@ -1,14 +1,14 @@
 //! Contacts of a run on a device: the host finds couples, and the device computes their forces.
 //!
-//! After a search the host has the couples, and the device takes them over once any of them is near. From
-//! then on their histories are on the device, until the host searches again or anything asks for its columns.
+//! A search gets the positions of the elements that can touch. Where it chooses couples anew, the host has
+//! them, and the device takes them over once any of them is near. From then on their histories are on the
+//! device, until the host chooses again or anything asks for its columns.
 
 use crate::contacts::Touching;
 use crate::error::Stop;
 use crate::machine::Columns;
 use crate::machine::on_device::{OnDevice, sum_of};
 use crate::simplex::Simplex;
-use crate::solid::Node;
 use crate::sum::Sum;
 use crate::topology::Topology;
 
@@ -16,30 +16,35 @@ impl<const D: usize, const N: usize> OnDevice<D, N>
 where
     [[f64; D]; N]: Simplex<D, N>,
 {
-    /// Finds the couples of elements that may touch. The device sends the nodes and the state of the couples,
-    /// and no other columns.
+    /// Finds the couples of elements that may touch. The device sends the positions of elements that can
+    /// touch, and the state of the couples where these change; no other columns.
     pub(super) fn search(&mut self, topology: &Topology<D, N>) -> Result<(), Stop> {
         if self.known().contacts.is_detection_due() {
-            self.refresh_nodes();
             let team = self.team.clone();
-            self.couples_changed = true;
+            let Columns { joints, contacts, .. } = self.known();
+            contacts.watch_bare(joints, topology);
+            self.refresh_watched();
             let Columns { solid, joints, contacts } = self.known();
-            contacts.detect(solid, joints, topology, &team)?;
+            let chooses = contacts.look(solid, joints, topology, &team)?;
+            if chooses || contacts.is_renewed() {
+                self.refresh_couples();
+                self.couples_changed = true;
+                let Columns { solid, joints, contacts } = self.known();
+                contacts.renew(solid, joints, topology, chooses, &team);
+            }
         }
         self.failure().map_or(Ok(()), Err)
     }
 
-    /// Updates the nodes and the couples of the host. All other columns stay as they are.
-    fn refresh_nodes(&mut self) {
+    /// Updates the positions of the elements that the search looks at. All other columns stay as they are.
+    fn refresh_watched(&mut self) {
         if self.host.get().is_some() {
             return;
         }
-        self.refresh_couples();
-        let nodes: Vec<u32> = (0..self.known().solid.node_count() as u32).collect();
-        let Some([positions, velocities]) = self.call(|device| device.read_nodes(&nodes)) else { return };
-        let solid = &mut self.known().solid;
-        for (node, (position, velocity)) in positions.into_iter().zip(velocities).enumerate() {
-            solid.set_node(node, Node { position, velocity });
+        let Columns { solid, contacts, .. } = self.known();
+        let nodes = solid.nodes_of_all(contacts.looked_at());
+        if let Some(positions) = self.call(|device| device.read_positions(&nodes)) {
+            self.known().solid.take_positions(&nodes, &positions);
         }
     }
 
