@@ -186,6 +186,23 @@ INLINE void of_bond_and_friction(const JointLaw<D> &law, Memory<D> &memory, cons
     traction[0] = open ? traction[0] : -pressure;
 }
 
+// Elastic energy of an end, over its area.
+template <int D> INLINE double elastic_of(const JointLaw<D> &law, const Memory<D> &memory, const double *gap) {
+    double bond[D], rubbing[D];
+    for (int axis = 0; axis < D; ++axis) bond[axis] = gap[axis] - memory.origin[axis];
+    const double opening = bond[0];
+    if (memory.stiffness == 1.0 && law.tensile != 0.0 && law.cohesion != 0.0)
+        return 0.5 * law.penalty * dot<D>(bond, bond);
+    if (law.tensile == 0.0 && opening > 0.0) return 0.0;
+    bond[0] = larger(opening, 0.0);
+    const double stiffness = law.penalty * memory.stiffness;
+    const double of_bond = 0.5 * stiffness * dot<D>(bond, bond);
+    if (opening >= 0.0) return of_bond;
+    const double lost = law.cohesion == 0.0 ? law.penalty : law.penalty - law.penalty * memory.stiffness;
+    for (int axis = 0; axis < D; ++axis) rubbing[axis] = axis == 0 ? 0.0 : gap[axis] - memory.rubbed[axis];
+    return of_bond + 0.5 * law.penalty * opening * opening + 0.5 * lost * dot<D>(rubbing, rubbing);
+}
+
 template <int D> INLINE void of_common(const JointLaw<D> &law, Memory<D> &memory, const double *gap, double *traction) {
     double whole[D], rubbed[D];
     const bool holds = of_whole(law, gap, memory.origin, whole) && memory.stiffness == 1.0;
@@ -278,6 +295,8 @@ struct Joints {
     // Joints that the host is to compute, and whether there are any.
     u32 *left;
     u32 *any_left;
+    // Of each joint the elastic energy, 0 if it is not counted or left; empty if it is not asked for.
+    double *elastic;
     // Rows of the work of each block, in both parts of the rounded numbers.
     double *sums;
     double grains[2];
@@ -293,8 +312,9 @@ template <int D> INLINE double faded_at(const double *slid, double of_joint) {
     return (length<D>(slid) / of_joint - 0.1) / (0.3 - 0.1);
 }
 
-// Computes a joint. Returns whether it stays of its kind; otherwise nothing is written.
-template <int D> INLINE bool pull_joint(const Joints &a, u64 joint, u32 marks, double *work) {
+// Computes a joint, its work, and its elastic energy if it is asked for. Returns whether it stays of its kind;
+// otherwise nothing is written.
+template <int D> INLINE bool pull_joint(const Joints &a, u64 joint, u32 marks, double *work, double *elastic) {
     const u64 stride = a.stride;
     const double *numbers = a.laws + joint;
     JointLaw<D> law;
@@ -326,6 +346,7 @@ template <int D> INLINE bool pull_joint(const Joints &a, u64 joint, u32 marks, d
     int broken_ends = 0;
     bool pressed = false, stays = true;
     *work = 0.0;
+    *elastic = 0.0;
     for (int end = 0; end < D; ++end) {
         if (!(marks & OPEN << end)) continue;
         double gap[D], traction[D];
@@ -347,6 +368,7 @@ template <int D> INLINE bool pull_joint(const Joints &a, u64 joint, u32 marks, d
             for (int k = 1; k < D; ++k) sum += traction[k] * axes[k][axis];
             found[end][axis] = share * sum;
         }
+        if (a.elastic) *elastic += share * elastic_of(law, memories[end], gap);
         const double *before = a.forces + (joint * D + end) * D;
         *work += 0.5 * a.step * (dot<D>(before, rates[end]) + dot<D>(found[end], rates[end]));
     }
@@ -376,11 +398,12 @@ template <int D> INLINE void pull_joints(const Joints &a, u32 block) {
         const u64 joint = (u64)block * THREADS + t;
         if (joint < a.count) {
             const u32 marks = a.marks[joint], kind = marks & 3;
-            double work = 0.0;
+            double work = 0.0, elastic = 0.0;
             bool is_left = kind == ALONE;
-            if (kind == WHOLE || kind == SOFTENS) is_left = !pull_joint<D>(a, joint, marks, &work);
+            if (kind == WHOLE || kind == SOFTENS) is_left = !pull_joint<D>(a, joint, marks, &work, &elastic);
             a.left[joint] = is_left;
             if (is_left) set_flag(a.any_left);
+            if (a.elastic) a.elastic[joint] = !is_left && marks & COUNTED ? elastic : 0.0;
             if (!is_left && marks & COUNTED) {
                 const double large = (work + a.grains[0]) - a.grains[0];
                 sums[0][t] = large;

@@ -31,6 +31,7 @@ pub(crate) struct DeviceJoints<M, const D: usize> {
     left: Array<M, u32>,
     any_left: Array<M, u32>,
     list: MarkedList<M>,
+    elastic: Array<M, f64>,
     sums: Array<M, f64>,
 }
 
@@ -51,6 +52,7 @@ impl<M, const D: usize> DeviceJoints<M, D> {
             left: Array::new(),
             any_left: Array::new(),
             list: MarkedList::new(),
+            elastic: Array::new(),
             sums: Array::new(),
         }
     }
@@ -77,6 +79,7 @@ impl<M, const D: usize> DeviceJoints<M, D> {
     /// Makes room for the results of a pass.
     fn make_room(&mut self, device: &impl Device<Memory = M>) -> Result<(), GpuError> {
         self.left.resize(device, self.stride)?;
+        self.elastic.resize(device, self.stride)?;
         self.sums.resize(device, 2 * self.stride.div_ceil(THREADS))?;
         Ok(())
     }
@@ -168,14 +171,21 @@ impl<M, const D: usize> DeviceJoints<M, D> {
         Ok(JointMemories { ends: (0..count).map(ends).collect(), forces })
     }
 
-    /// Computes the joints from the positions and velocities of the nodes. Returns where the parts of their
-    /// work are, two rows of a number for each block.
+    /// Where the elastic energies of the last pass are that was asked for them, a number for each joint.
+    pub(crate) fn elastic(&self, device: &impl Device<Memory = M>) -> Address {
+        self.elastic.address(device)
+    }
+
+    /// Computes the joints from the positions and velocities of the nodes. `energies`: whether to compute
+    /// their elastic energies. Returns where the parts of their work are, two rows of a number for each
+    /// block.
     pub(crate) fn pull(
         &mut self,
         device: &impl Device<Memory = M>,
         [positions, velocities]: [u64; 2],
         step: f64,
         grains: [f64; 2],
+        energies: bool,
     ) -> Result<u64, GpuError> {
         let arguments = JointArguments {
             positions,
@@ -187,6 +197,7 @@ impl<M, const D: usize> DeviceJoints<M, D> {
             forces: self.forces.address(device),
             left: self.left.address(device),
             any_left: self.any_left.write(device, &[0])?,
+            elastic: if energies { self.elastic.address(device) } else { 0 },
             sums: self.sums.address(device),
             grains,
             step,

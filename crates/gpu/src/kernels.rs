@@ -473,6 +473,7 @@ pub(crate) struct JointArguments {
     pub(crate) forces: Address,
     pub(crate) left: Address,
     pub(crate) any_left: Address,
+    pub(crate) elastic: Address,
     pub(crate) sums: Address,
     pub(crate) grains: [f64; 2],
     pub(crate) step: f64,

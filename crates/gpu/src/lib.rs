@@ -55,6 +55,7 @@
 //! | `step.h`: `held_velocity` | `actions/prescribed.rs` | `steps.rs` |
 //! | `joints.h`: `exp_down`, `softening` | `cohesive/curve.rs` | `laws.rs` |
 //! | `joints.h`: laws and memories | `cohesive/law.rs`, `cohesive/memory.rs` | `laws.rs` |
+//! | `joints.h`: `elastic_of` | `cohesive/memory.rs`, `Memory::elastic` | `steps.rs` |
 //! | `joints.h`: `unit_axes`, `pull_joint` | `simplex/triangle.rs`, `simplex/tetrahedron.rs`, `joints/batch.rs` | `steps.rs` |
 //! | `contact.h`: `gap`, `parted`, `apart` | `simplex.rs` | `contact.rs` |
 //! | `contact.h`: potentials of triangles | `simplex/triangle/potential.rs` | `contact.rs` |

@@ -161,7 +161,8 @@ impl<V: Device, const D: usize, const N: usize> DeviceSolid<V, D, N> {
     /// Makes room for the report.
     fn make_report(&mut self) -> Result<(), GpuError> {
         let nodes = 2 * SUMS * pieces(self.nodes.div_ceil(THREADS));
-        let rows = nodes.max(pieces(self.elements)).max(2 * pieces(self.joints.blocks()));
+        let joints = pieces(self.joints.count).max(2 * pieces(self.joints.blocks()));
+        let rows = nodes.max(pieces(self.elements)).max(joints);
         self.report.resize(&*self.device, SUM_PARTS * rows + MOSTS)?;
         Ok(())
     }
@@ -322,12 +323,17 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
         Ok(flags[0] == 0)
     }
 
-    fn pull(&mut self, step: f64, grains: [f64; 2]) -> FromDevice<Pulled> {
+    fn pull(&mut self, step: f64, grains: [f64; 2], energies: bool) -> FromDevice<Pulled> {
         let device = &*self.device;
         let nodes = [&self.positions, &self.velocities].map(|column| column.address(device));
-        let works = self.joints.pull(device, nodes, step, grains)?;
+        let works = self.joints.pull(device, nodes, step, grains, energies)?;
         let [work] = self.sums::<2, 1>(works, self.joints.blocks())?;
-        Ok(Pulled { work, left: self.joints.left(device)? })
+        let mut elastic = None;
+        if energies {
+            let [sum] = self.sums::<1, 1>(self.joints.elastic(device), self.joints.count)?;
+            elastic = Some(sum);
+        }
+        Ok(Pulled { work, elastic, left: self.joints.left(device)? })
     }
 
     fn load_couples(&mut self, couples: &CoupleColumns, states: &CoupleStates<D>) -> FromDevice<()> {
@@ -477,12 +483,14 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
             stresses: vec![[[0.0; D]; D]; count],
             forces: vec![[[0.0; D]; N]; count],
             moved: vec![0.0; if self.watch.is_empty() { 0 } else { count }],
+            normals: vec![[0.0; D]; if self.is_bedded { count } else { 0 }],
         };
         let (stresses, forces) = (values.stresses.as_flattened_mut(), values.forces.as_flattened_mut());
         self.rows.choose(device, elements)?;
         self.rows.read(device, &self.stresses, Columns::ONE, stresses.as_flattened_mut())?;
         self.rows.read(device, &self.forces, Columns::ONE, forces.as_flattened_mut())?;
         self.watch.moved(device, &mut self.rows, &mut values.moved)?;
+        self.rows.read(device, &self.normals, Columns::ONE, values.normals.as_flattened_mut())?;
         Ok(values)
     }
 

@@ -225,6 +225,8 @@ pub struct ElementValues<const D: usize, const N: usize> {
     /// Square of the change of the stress from the noted one in the last deformation, Pa²; infinite if the
     /// edges have changed by more than they may.
     pub moved: Vec<f64>,
+    /// See [`SolidState`]; empty without bedding.
+    pub normals: Vec<[f64; D]>,
 }
 
 /// Changes of nodes and elements where bodies part. All other values stay.
@@ -276,6 +278,8 @@ pub struct JointPatch<const D: usize> {
 pub struct Pulled {
     /// Work done against the joints that were computed and count, J, both parts of each rounded number.
     pub work: DeviceSum,
+    /// Elastic energy of these joints, J, if it was asked for.
+    pub elastic: Option<DeviceSum>,
     /// Joints that the host is to compute, ascending: all of the kind [`JointKind::Alone`], and those that do
     /// not stay of their kind. Nothing of them has changed.
     pub left: Vec<u32>,
@@ -374,11 +378,12 @@ pub trait Accelerator<const D: usize, const N: usize>: fmt::Debug + Send {
     /// The device fails.
     fn deform(&mut self, step: f64) -> FromDevice<bool>;
 
-    /// Computes the forces of all joints. `step`: time step, s; `grains`: those of [`NodeMotion::grains`].
+    /// Computes the forces of all joints. `step`: time step, s; `grains`: those of [`NodeMotion::grains`];
+    /// `energies`: whether to compute their elastic energy.
     ///
     /// # Errors
     /// The device fails.
-    fn pull(&mut self, step: f64, grains: [f64; 2]) -> FromDevice<Pulled>;
+    fn pull(&mut self, step: f64, grains: [f64; 2], energies: bool) -> FromDevice<Pulled>;
 
     /// Takes over couples of elements in place of all before, and their present state.
     ///

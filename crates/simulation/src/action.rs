@@ -51,7 +51,7 @@ where
     /// Whether this rank counts the data that all ranks know: one of them does.
     pub(crate) fn counts_common(&self) -> bool {
         self.topology.is_whole()
-            || self.topology.element(0).is_some_and(|first| self.solid().share().element(first))
+            || self.topology.element(0).is_some_and(|first| self.machine.share().element(first))
     }
 }
 

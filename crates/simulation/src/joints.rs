@@ -582,6 +582,15 @@ impl<const D: usize> Joints<D> {
         all
     }
 
+    /// [`Joints::elastic`] of some joints.
+    pub(crate) fn elastic_of<const N: usize>(&self, joints: &[u32], solid: &Solid<D, N>) -> Sum
+    where
+        [[f64; D]; N]: Simplex<D, N>,
+    {
+        let some = joints.iter().map(|&joint| &self.all[joint as usize]);
+        some.filter(|joint| joint.counted).map(|joint| joint.elastic(solid)).collect()
+    }
+
     /// Elastic energy, J, that joints had when they were inserted, since the last call: they take over the
     /// traction that acts, so that their energy is in no work.
     pub(crate) fn take_inserted(&mut self) -> Sum {

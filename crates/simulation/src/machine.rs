@@ -38,6 +38,24 @@ pub(crate) struct Columns<const D: usize, const N: usize> {
     pub(crate) contacts: Contacts<D, N>,
 }
 
+/// Nodes, elements and joints whose present values something reads.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Wanted {
+    /// Nodes of which the positions are read, and nothing else.
+    pub(crate) positions: Vec<u32>,
+    pub(crate) nodes: Vec<u32>,
+    pub(crate) elements: Vec<u32>,
+    pub(crate) joints: Vec<u32>,
+}
+
+impl Wanted {
+    /// Whether nothing is read.
+    fn is_empty(&self) -> bool {
+        let Self { positions, nodes, elements, joints } = self;
+        [positions, nodes, elements, joints].iter().all(|list| list.is_empty())
+    }
+}
+
 /// The columns of a run, and the phases of a step, which are called in the order of these functions.
 ///
 /// All machines give the same bits: sums over corners go in the order of the corners, those over couples in
@@ -89,10 +107,12 @@ pub(crate) trait Machine<const D: usize, const N: usize>: fmt::Debug + Send + Sy
     /// Strain energy in the last pass, and energy that viscosity and laws have dissipated so far, J.
     fn energies(&self) -> [Sum; 2];
 
-    /// Calls `look` with the nodes and elements, of which rigid bodies are those after the last phase: their
-    /// motions, their nodes, and the forces on them.
-    fn look_at_rigid(&self, look: &mut dyn FnMut(&Solid<D, N>)) {
-        look(&self.columns().solid);
+    /// Calls `look` with the columns, of which the values of the wanted nodes, elements and joints are those
+    /// after the last phase, and all that no device changes: numbers, rigid bodies with their nodes and the
+    /// forces on them, the states of joints. `look` does not ask for [`Machine::columns`].
+    fn look_at(&self, wanted: &Wanted, look: &mut dyn FnMut(&Columns<D, N>)) {
+        let _ = wanted;
+        look(self.columns());
     }
 
     /// The columns after the last phase.
@@ -112,9 +132,8 @@ pub(crate) trait Machine<const D: usize, const N: usize>: fmt::Debug + Send + Sy
         change(self.columns_mut());
     }
 
-    /// Ends a number of steps. Returns the reason if the machine has failed, and the columns are not those of
-    /// the last step.
-    fn settle(&mut self) -> Result<(), Stop> {
+    /// The reason if the machine has failed, so that values that it has returned are not those of the run.
+    fn check(&self) -> Result<(), Stop> {
         Ok(())
     }
 

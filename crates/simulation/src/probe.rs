@@ -15,11 +15,12 @@ use fdem_distributed::wire::Wire;
 use fdem_mesh::Mesh;
 
 use crate::actions::cavity::CavityState;
+use crate::machine::{Columns, Wanted};
 use crate::probe::touching::TouchingSide;
 use crate::rigid::RigidMotion;
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
-use crate::solid::corners_of;
+use crate::solid::{Solid, corners_of};
 use crate::sum::Sum;
 use crate::topology::NONE;
 use crate::vector::{Point, dot, length, plus, product, product_transposed, transposed};
@@ -369,13 +370,52 @@ where
     /// [`Probe::columns`]. Numbers of elements, bodies and nodes that are not in the mesh count for nothing.
     ///
     /// # Cost
-    /// Proportional to the number of elements, and for contact forces to that of the contacts.
+    /// Proportional to the number of elements, and for contact forces to that of the contacts. Of a run on a
+    /// device, values of these elements and their nodes are read; all for contact forces and joints.
     pub fn measure(&self, probes: &[Probe<D, N>]) -> Vec<Vec<f64>> {
         probes.iter().map(|probe| probe.values(&self.sums(probe))).collect()
     }
 
     /// The sums of a probe over the elements that this rank counts.
     pub(crate) fn sums(&self, probe: &Probe<D, N>) -> Vec<Sum> {
+        let Some(wanted) = self.wanted_by(probe) else {
+            return self.sums_in(probe, self.machine.columns());
+        };
+        self.looked_at(&wanted, |columns| self.sums_in(probe, columns))
+    }
+
+    /// The values of nodes and elements that a probe reads; `None` if it reads any others.
+    fn wanted_by(&self, probe: &Probe<D, N>) -> Option<Wanted> {
+        let here = |numbers: &[u32]| -> Vec<u32> {
+            numbers.iter().filter_map(|&number| self.topology.element(number)).collect()
+        };
+        let of_points = |points: &[MaterialPoint<D, N>]| {
+            here(&points.iter().map(|point| point.element).collect::<Vec<_>>())
+        };
+        let none = Wanted::default;
+        let nodes_of = |elements: Vec<u32>| {
+            self.looked_at(&none(), |Columns { solid, .. }| solid.nodes_of_all(&elements))
+        };
+        Some(match probe {
+            Probe::Stress(elements) => Wanted { elements: here(elements), ..none() },
+            Probe::Strain(elements) => Wanted { positions: nodes_of(here(elements)), ..none() },
+            Probe::Velocity(elements) => Wanted { nodes: nodes_of(here(elements)), ..none() },
+            Probe::PointVelocity(point) => Wanted { nodes: nodes_of(of_points(&[*point])), ..none() },
+            Probe::Gauge { ends, .. } => Wanted { positions: nodes_of(of_points(ends)), ..none() },
+            Probe::ContactForce(_) | Probe::Softening | Probe::JointSet(_) => return None,
+            Probe::ForceOfSpheres(_)
+            | Probe::Reaction(_)
+            | Probe::RigidBody(_)
+            | Probe::Cavity(_)
+            | Probe::Fluid
+            | Probe::Injection(_)
+            | Probe::Wall { .. }
+            | Probe::Spheres { .. } => none(),
+        })
+    }
+
+    /// [`Simulation::sums`] with these columns. Probes that [`Simulation::wanted_by`] knows read no others.
+    fn sums_in(&self, probe: &Probe<D, N>, Columns { solid, .. }: &Columns<D, N>) -> Vec<Sum> {
         let mut sums = vec![Sum::default(); probe.sums()];
         let mut add = |terms: &[f64], weight: f64| {
             for (sum, term) in sums.iter_mut().zip(terms) {
@@ -383,18 +423,18 @@ where
             }
         };
         match probe {
-            Probe::Stress(elements) => self.weighed(elements, |element, weight| {
-                let [a, b, c, d, e, f] = self.solid().stress_tensor(element);
+            Probe::Stress(elements) => self.weighed(solid, elements, |element, weight| {
+                let [a, b, c, d, e, f] = solid.stress_tensor(element);
                 add(&[a, b, c, d, e, f, 1.0], weight);
             }),
-            Probe::Strain(elements) => self.weighed(elements, |element, weight| {
-                let [a, b, c, d, e, f] = self.strain(element);
+            Probe::Strain(elements) => self.weighed(solid, elements, |element, weight| {
+                let [a, b, c, d, e, f] = self.strain(solid, element);
                 add(&[a, b, c, d, e, f, 1.0], weight);
             }),
-            Probe::Velocity(elements) => self.weighed(elements, |element, weight| {
-                let density = self.model.materials[self.solid().element(element).material as usize].density;
-                for node in self.solid().nodes_of(element as u32) {
-                    let velocity = self.solid().velocity(node as usize);
+            Probe::Velocity(elements) => self.weighed(solid, elements, |element, weight| {
+                let density = self.model.materials[solid.element(element).material as usize].density;
+                for node in solid.nodes_of(element as u32) {
+                    let velocity = solid.velocity(node as usize);
                     add(&velocity, weight * density);
                 }
                 // The weight is the same at all corners, and a mean does not depend on their number once it
@@ -404,13 +444,14 @@ where
                 add(&last[..=D], weight * density);
             }),
             Probe::PointVelocity(point) => {
-                if let Some(velocity) = self.at(point, |node| self.solid().velocity(node)) {
+                if let Some(velocity) = self.at(solid, point, |node| solid.velocity(node)) {
                     add(&velocity, 1.0);
                 }
             }
             Probe::Gauge { ends, .. } => {
                 for (end, point) in ends.iter().enumerate() {
-                    if let Some(moved) = self.at(point, |node| self.solid().displacement(node, &self.model)) {
+                    let moved = self.at(solid, point, |node| solid.displacement(node, &self.model));
+                    if let Some(moved) = moved {
                         let mut terms = vec![0.0; 2 * D];
                         terms[end * D..(end + 1) * D].copy_from_slice(&moved);
                         add(&terms, 1.0);
@@ -434,7 +475,7 @@ where
                 self.visit_forces_of_spheres(sides, |force, sign| add(&force[..D], sign));
             }
             Probe::RigidBody(body) => {
-                if let Some(motion) = self.motion_of(*body) {
+                if let Some(motion) = self.motion_of(solid, *body) {
                     add(&motion, 1.0);
                 }
             }
@@ -458,12 +499,11 @@ where
             Probe::Wall { wall } => self.visit_wall(*wall, |terms| add(terms, 1.0)),
             Probe::Spheres { region } => self.visit_spheres(*region, |terms| add(terms, 1.0)),
             Probe::Reaction(nodes) => {
-                let applied = self.actions.applied(self.solid());
-                let applied = applied.map(|([_, corner], force)| (self.solid().node_at(corner), force));
-                let own =
-                    self.held.iter().copied().filter(|(node, _)| self.solid().share().node(*node as usize));
+                let applied = self.actions.applied(solid);
+                let applied = applied.map(|([_, corner], force)| (solid.node_at(corner), force));
+                let own = self.held.iter().copied().filter(|(node, _)| solid.share().node(*node as usize));
                 for (node, force) in own.chain(applied) {
-                    let vertex = self.vertex(self.solid().vertex(node as usize));
+                    let vertex = self.vertex(solid.vertex(node as usize));
                     if nodes.binary_search(&vertex).is_ok() {
                         add(&force, 1.0);
                     }
@@ -475,8 +515,7 @@ where
 
     /// Motion of the rigid body with this number, if this rank moves it: see [`Probe::RigidBody`]. The last
     /// value is 1.
-    fn motion_of(&self, number: u32) -> Option<Vec<f64>> {
-        let solid = self.solid();
+    fn motion_of(&self, solid: &Solid<D, N>, number: u32) -> Option<Vec<f64>> {
         let body = self.model.rigid.binary_search(&number).ok().filter(|&body| solid.moves_rigid(body))?;
         let motion = &solid.rigid.motions[body];
         let RigidMotion { velocity, rotation, spin, .. } = motion;
@@ -488,26 +527,23 @@ where
 
     /// Visits those of these elements that this rank counts, each with its undeformed volume, m³. The weight
     /// of one element alone is 1, so that its mean is exact.
-    fn weighed(&self, elements: &[u32], mut visit: impl FnMut(usize, f64)) {
+    fn weighed(&self, solid: &Solid<D, N>, elements: &[u32], mut visit: impl FnMut(usize, f64)) {
         for &number in elements {
             let element = self.topology.element(number);
-            if let Some(element) = element.filter(|&element| self.solid().share().element(element)) {
+            if let Some(element) = element.filter(|&element| solid.share().element(element)) {
                 let element = element as usize;
-                let volume = if elements.len() == 1 { 1.0 } else { self.solid().element(element).volume };
+                let volume = if elements.len() == 1 { 1.0 } else { solid.element(element).volume };
                 visit(element, volume);
             }
         }
     }
 
     /// Green-Lagrange strain of an element, `[xx, yy, zz, xy, yz, xz]`.
-    fn strain(&self, element: usize) -> [f64; 6] {
+    fn strain(&self, solid: &Solid<D, N>, element: usize) -> [f64; 6] {
         // The gradient H of the displacement: FᵀF - 1 = H + Hᵀ + HᵀH, without the loss of digits in a
         // difference from 1.
-        let moved = self
-            .solid()
-            .nodes_of(element as u32)
-            .map(|node| self.solid().displacement(node as usize, &self.model));
-        let gradient = product(&<[[f64; D]; N]>::edges(&moved), &self.solid().inverse_edges(element));
+        let moved = solid.nodes_of(element as u32).map(|node| solid.displacement(node as usize, &self.model));
+        let gradient = product(&<[[f64; D]; N]>::edges(&moved), &solid.inverse_edges(element));
         let turned = transposed(&gradient);
         let squared = product_transposed(&turned, &turned);
         spheres::PLACES.map(|[i, k]| {
@@ -516,13 +552,18 @@ where
     }
 
     /// A quantity of nodes at a point, if this rank counts its element.
-    fn at(&self, point: &MaterialPoint<D, N>, of: impl Fn(usize) -> Point<D>) -> Option<Point<D>> {
+    fn at(
+        &self,
+        solid: &Solid<D, N>,
+        point: &MaterialPoint<D, N>,
+        of: impl Fn(usize) -> Point<D>,
+    ) -> Option<Point<D>> {
         let element = self.topology.element(point.element)?;
-        if !self.solid().share().element(element) {
+        if !solid.share().element(element) {
             return None;
         }
         let mut sum = [0.0; D];
-        for (node, weight) in self.solid().nodes_of(element).into_iter().zip(point.weights) {
+        for (node, weight) in solid.nodes_of(element).into_iter().zip(point.weights) {
             crate::vector::add(&mut sum, of(node as usize), weight);
         }
         Some(sum)

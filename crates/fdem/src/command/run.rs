@@ -474,9 +474,10 @@ where
     /// checkpoint are on the disk.
     fn recorded(&mut self) -> Result<(End, Recorder<D, N>), Failure> {
         let mut end = self.steps()?;
-        // The checks during the run do not include its last step.
+        // Nothing of a device that fails is written. The checks during the run do not include its last step.
+        let settled = self.course.run.settle();
         if !matches!(end, End::Stopped(_))
-            && let Err(stop) = self.course.run.check_balance()
+            && let Err(stop) = settled.clone().and_then(|()| self.course.run.check_balance())
         {
             end = End::Stopped(stop);
         }
@@ -492,6 +493,7 @@ where
             // The frame shows the reason. The last good checkpoint is kept.
             // The state of a device that has failed is lost.
             End::Stopped(Stop::Device(_)) => {}
+            End::Stopped(_) if settled.is_err() => {}
             End::Stopped(_) if self.framed == Some(self.course.run.steps()) => {}
             End::Stopped(_) => self.frame(false)?,
         }
@@ -526,6 +528,9 @@ where
             }
             self.spent.output += start.elapsed();
             if now == frame || now == self.total {
+                if let Err(stop) = self.course.run.settle() {
+                    return Ok(End::Stopped(stop));
+                }
                 self.frame(false)?;
             }
             let turned = self.course.turn(&passed)?;
@@ -536,6 +541,9 @@ where
                 self.told.say(line);
             }
             if self.course.reached.over && now != frame && now != self.total {
+                if let Err(stop) = self.course.run.settle() {
+                    return Ok(End::Stopped(stop));
+                }
                 self.frame(false)?;
             }
             let due = match self.course.prepared.output.checkpoint {
@@ -549,6 +557,9 @@ where
             };
             // At the end, the checkpoint is written after the last check.
             if due && !self.course.is_over() {
+                if let Err(stop) = self.course.run.settle() {
+                    return Ok(End::Stopped(stop));
+                }
                 self.save()?;
             }
             self.writer.check()?;

@@ -327,7 +327,8 @@ where
                 self.run().check_balance().map_err(|stop| stop.to_string())?;
             }
         }
-        Ok(())
+        // All that a program may read.
+        self.run().settle().map_err(|stop| stop.to_string())
     }
 
     /// Whether the run is over before its end time: its condition is met, or its last stage has ended.

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::{bytes, joined, loaded, put_on, same};
 
 /// Gives materials a bedding across this direction: all, or the second one only.
-fn bedded<const D: usize, const N: usize>(mut model: Model<D, N>, all: bool) -> Model<D, N> {
+pub(crate) fn bedded<const D: usize, const N: usize>(mut model: Model<D, N>, all: bool) -> Model<D, N> {
     for (place, material) in (0..).zip(&mut model.materials).skip(usize::from(!all)) {
         let strength = material.strength;
         material.law = MaterialLaw::TransverselyIsotropic(Bedding {

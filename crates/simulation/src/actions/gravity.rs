@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::action::{Acting, Action, Scene};
 use crate::energy::{Account, Ledger};
+use crate::machine::{Columns, Wanted};
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::sum::Sum;
@@ -26,18 +27,23 @@ where
     }
 
     fn add_energies(&self, scene: &Scene<'_, D, N>, ledger: &mut Ledger) {
-        let Scene { model, team, time, .. } = *scene;
+        let Scene { model, team, time, machine, .. } = *scene;
         if model.gravity == [0.0; D] {
             return;
         }
-        let solid = scene.solid();
         let factor = model.gravity_schedule.factor(time);
-        let work = |node: usize| {
-            let moved = solid.displacement(node, model);
-            factor * solid.true_mass(node) * dot(model.gravity, moved)
-        };
-        let of = |range: Range<usize>| [range.filter(|&node| solid.share().node(node)).map(work).collect()];
-        let [sum] = Sum::all(team.look(solid.node_count(), of));
-        ledger.add(Account::Gravity, &sum);
+        let mut count = 0;
+        machine.look_at(&Wanted::default(), &mut |columns| count = columns.solid.node_count());
+        let wanted = Wanted { positions: (0..count as u32).collect(), ..Wanted::default() };
+        machine.look_at(&wanted, &mut |Columns { solid, .. }| {
+            let work = |node: usize| {
+                let moved = solid.displacement(node, model);
+                factor * solid.true_mass(node) * dot(model.gravity, moved)
+            };
+            let of =
+                |range: Range<usize>| [range.filter(|&node| solid.share().node(node)).map(work).collect()];
+            let [sum] = Sum::all(team.look(count, of));
+            ledger.add(Account::Gravity, &sum);
+        });
     }
 }

@@ -318,7 +318,7 @@ where
     }
 
     fn add_energies(&self, scene: &Scene<'_, D, N>, ledger: &mut Ledger) {
-        let share = scene.solid().share();
+        let share = scene.machine.share();
         let counted = || {
             (0..self.places.len())
                 .filter(|&k| share.is_whole() || share.element(self.places[k].corners[0][0] / N as u32))

@@ -23,14 +23,14 @@ use crate::contacts::Touching;
 use crate::error::Stop;
 use crate::joints::Pulling;
 use crate::joints::due::CheckLists;
-use crate::machine::{Columns, Machine};
+use crate::machine::{Columns, Machine, Wanted};
 use crate::model::Model;
 use crate::motion::nodes::Motion;
 use crate::motion::{MotionSums, RelaxationSums, Selected};
 use crate::rotation::lifted;
 use crate::share::Share;
 use crate::simplex::Simplex;
-use crate::solid::{Node, Solid};
+use crate::solid::Node;
 use crate::sum::Sum;
 use crate::team::Team;
 use crate::topology::Topology;
@@ -214,17 +214,19 @@ where
             return Pulling { broken: Vec::new(), work: Sum::default(), elastic };
         }
         let grains = self.known().solid.grains.shifts();
-        let pulled = self.compute(|device| device.pull(step, grains).map(Some));
+        let pulled = self.compute(|device| device.pull(step, grains, energies).map(Some));
         let mut pulling = Pulling { broken: Vec::new(), work: Sum::default(), elastic: None };
-        if let Some(Pulled { work, left }) = pulled {
+        if let Some(Pulled { work, elastic, left }) = pulled {
+            let mut elastic = elastic.as_ref().map(sum_of);
             if !left.is_empty() {
-                pulling = self.pull_left(left, step, time).unwrap_or(pulling);
+                pulling = self.pull_left(&left, step, time).unwrap_or(pulling);
+                let Columns { solid, joints, .. } = self.known();
+                if let Some(elastic) = &mut elastic {
+                    elastic.add_sum(&joints.elastic_of(&left, solid));
+                }
             }
             pulling.work.add_sum(&sum_of(&work));
-        }
-        if energies {
-            let Columns { solid, joints, .. } = self.columns();
-            pulling.elastic = Some(joints.elastic(solid, &self.team));
+            pulling.elastic = elastic;
         }
         pulling
     }
@@ -368,8 +370,20 @@ where
     }
 
     /// The host moves rigid bodies, and has read the forces on them.
-    fn look_at_rigid(&self, look: &mut dyn FnMut(&Solid<D, N>)) {
-        self.of_known(|columns| look(&columns.solid));
+    fn look_at(&self, wanted: &Wanted, look: &mut dyn FnMut(&Columns<D, N>)) {
+        if let Some(columns) = self.host.get() {
+            return look(columns);
+        }
+        let mut stale = self.stale.lock().unwrap_or_else(PoisonError::into_inner);
+        let columns = stale.as_mut().expect("the columns are in one of the two places");
+        if !wanted.is_empty() && self.failure().is_none() {
+            let mut device = self.device.lock().unwrap_or_else(PoisonError::into_inner);
+            match parts::read(&mut **device, wanted) {
+                Ok(values) => values.put_into(wanted, columns),
+                Err(error) => self.fail(&error.to_string()),
+            }
+        }
+        look(columns);
     }
 
     fn columns(&self) -> &Columns<D, N> {
@@ -413,9 +427,7 @@ where
         }
     }
 
-    fn settle(&mut self) -> Result<(), Stop> {
-        // All that the caller may read until the next step.
-        self.columns();
+    fn check(&self) -> Result<(), Stop> {
         self.failure().map_or(Ok(()), Err)
     }
 

@@ -63,6 +63,19 @@ where
     /// # Errors
     /// The reason why the run cannot continue. The run stays at the step in which this was found.
     pub fn advance(&mut self, steps: u64) -> Result<(), Stop> {
+        self.advance_unsettled(steps)?;
+        self.settle()
+    }
+
+    /// Advances the run as [`Simulation::advance`]. The columns of a run on a device stay there:
+    /// [`Simulation::measure`], [`Simulation::nodes`] and other functions read the few values from it that
+    /// they need, and [`Simulation::snapshot`], [`Simulation::forces`] and [`Simulation::state`] all of them.
+    /// A device can fail then: values count once [`Simulation::check_device`] has returned after they were
+    /// read, or [`Simulation::settle`] before.
+    ///
+    /// # Errors
+    /// The reason why the run cannot continue. The run stays at the step in which this was found.
+    pub fn advance_unsettled(&mut self, steps: u64) -> Result<(), Stop> {
         <[[f64; D]; N]>::take(self, steps, None)
     }
 
@@ -110,6 +123,6 @@ where
             let kinetic = self.kinetic_of_half_step();
             self.account(&kinetic, peers);
         }
-        done.and_then(|()| self.machine.settle())
+        done.and_then(|()| self.machine.check())
     }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::energy::{Account, Energies, Ledger};
 use crate::error::Stop;
 use crate::forces::Reaction;
+use crate::machine::{Columns, Wanted};
 use crate::peers::{Peers, first_of_largest};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
@@ -135,23 +136,25 @@ where
 
     /// Force of each boundary on the bodies in this step, N.
     fn reactions_of_boundaries(&self) -> Vec<[Sum; D]> {
-        let mut sums = vec![[(); D].map(|()| Sum::default()); self.model.boundaries.len()];
-        for (node, reaction) in &self.held {
-            let hold = self.actions.prescribed.holds[self.solid().hold(*node as usize) as usize];
-            for axis in 0..D {
-                if let Some(hold) = hold[axis] {
-                    sums[hold.boundary as usize][axis].add(reaction[axis]);
+        self.looked_at(&Wanted::default(), |Columns { solid, .. }| {
+            let mut sums = vec![[(); D].map(|()| Sum::default()); self.model.boundaries.len()];
+            for (node, reaction) in &self.held {
+                let hold = self.actions.prescribed.holds[solid.hold(*node as usize) as usize];
+                for axis in 0..D {
+                    if let Some(hold) = hold[axis] {
+                        sums[hold.boundary as usize][axis].add(reaction[axis]);
+                    }
                 }
             }
-        }
-        for ([boundary, _], force) in self.actions.applied(self.solid()) {
-            // Forces of the caller belong to no boundary.
-            let Some(sums) = sums.get_mut(boundary as usize) else { continue };
-            for axis in 0..D {
-                sums[axis].add(force[axis]);
+            for ([boundary, _], force) in self.actions.applied(solid) {
+                // Forces of the caller belong to no boundary.
+                let Some(sums) = sums.get_mut(boundary as usize) else { continue };
+                for axis in 0..D {
+                    sums[axis].add(force[axis]);
+                }
             }
-        }
-        sums
+            sums
+        })
     }
 
     /// Moments in this step of the boundaries that turn nodes or bodies, N m: see [`Self::moments`].

@@ -1,7 +1,7 @@
 //! Where a run is computed: on the threads of the processor, or on a device.
 
 use crate::accelerator::Accelerator;
-use crate::error::ModelError;
+use crate::error::{ModelError, Stop};
 use crate::machine::list::Machines;
 use crate::machine::on_device::OnDevice;
 use crate::simulation::run::Simulation;
@@ -41,7 +41,7 @@ where
     /// # Errors
     /// The errors of [`Self::put_on`] if this run is on a device; the new one is on the processor then.
     pub fn replace(&mut self, mut with: Self) -> Result<(), ModelError> {
-        with.go_on(self.timings(), self.contacts().detections());
+        with.go_on(self.timings(), self.counts().detections);
         with.actions.spheres.keep_law(&mut self.actions.spheres);
         self.stand_in(with)
     }
@@ -50,6 +50,26 @@ where
     pub(super) fn stand_in(&mut self, with: Self) -> Result<(), ModelError> {
         let before = std::mem::replace(self, with);
         before.machine.into_device().map_or(Ok(()), |device| self.put_on(device))
+    }
+
+    /// Reads all values of a run from its device, so that functions that look at them do not read any. Nothing
+    /// without a device.
+    ///
+    /// # Errors
+    /// [`Stop::Device`] if the device has failed.
+    pub fn settle(&self) -> Result<(), Stop> {
+        self.machine.columns();
+        self.check_device()
+    }
+
+    /// Whether the device of the run, if it has one, has computed all steps and returned all values that have
+    /// been read so far.
+    ///
+    /// # Errors
+    /// [`Stop::Device`] if it has failed. Values that have been read since the last step are not those of the
+    /// run then.
+    pub fn check_device(&self) -> Result<(), Stop> {
+        self.machine.check()
     }
 
     /// Takes the run back from a device to the threads of the processor.

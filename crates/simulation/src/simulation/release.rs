@@ -4,6 +4,7 @@
 
 use crate::error::Stop;
 use crate::machine::list::Machines;
+use crate::machine::{Columns, Wanted};
 use crate::rigid::nodes::RECORD;
 use crate::rotation::{lifted, lowered, matrix_of};
 use crate::simulation::run::Simulation;
@@ -33,7 +34,7 @@ where
         }
         let mut overloaded = Vec::new();
         let Self { model, topology, machine, .. } = &*self;
-        machine.look_at_rigid(&mut |solid| {
+        machine.look_at(&Wanted::default(), &mut |Columns { solid, .. }| {
             for (place, body) in model.rigid.iter().enumerate() {
                 let Some(until) = model.until_overloaded(*body) else { continue };
                 let load = solid.overload(place, model, topology);

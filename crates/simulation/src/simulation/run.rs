@@ -22,7 +22,7 @@ use crate::forces::Reaction;
 use crate::joints::Joints;
 use crate::lanes::Available;
 use crate::machine::list::Machines;
-use crate::machine::{Columns, Machine};
+use crate::machine::{Columns, Machine, Wanted};
 use crate::model::{Insertion, Model};
 use crate::ranks::part::RankPart;
 use crate::rigid::nodes::RECORD;
@@ -283,6 +283,19 @@ where
         &self.machine.columns().solid
     }
 
+    /// A value of the columns that depends on the wanted nodes, elements and joints, and on no others that a
+    /// device changes. It is not computed from [`Simulation::solid`], [`Simulation::joints`] or
+    /// [`Simulation::contacts`], which would copy all.
+    pub(crate) fn looked_at<T: Default>(
+        &self,
+        wanted: &Wanted,
+        mut value: impl FnMut(&Columns<D, N>) -> T,
+    ) -> T {
+        let mut found = T::default();
+        self.machine.look_at(wanted, &mut |columns| found = value(columns));
+        found
+    }
+
     /// Joints now.
     pub(crate) fn joints(&self) -> &Joints<D> {
         &self.machine.columns().joints
@@ -413,17 +426,19 @@ where
 
     /// Numbers of joints, contacts, nodes and spheres.
     pub fn counts(&self) -> Counts {
-        let [broken, open, parted] = self.joints().broken();
-        Counts {
-            joints: self.joints().all.len() - broken - open,
-            broken,
-            open,
-            parted,
-            contacts: self.touching.count,
-            detections: self.contacts().detections(),
-            nodes: self.solid().node_count(),
-            ..self.sphere_counts()
-        }
+        self.looked_at(&Wanted::default(), |Columns { solid, joints, contacts }| {
+            let [broken, open, parted] = joints.broken();
+            Counts {
+                joints: joints.all.len() - broken - open,
+                broken,
+                open,
+                parted,
+                contacts: self.touching.count,
+                detections: contacts.detections(),
+                nodes: solid.node_count(),
+                ..self.sphere_counts()
+            }
+        })
     }
 
     /// Numbers of spheres and of their contacts.
@@ -492,20 +507,33 @@ where
     /// Displacement, m, and velocity, m/s, of a node of the mesh; those of the first of its nodes if the mesh
     /// has broken there. `None` if there is no such node.
     pub fn node(&self, node: u32) -> Option<([f64; D], [f64; D])> {
-        if node as usize >= self.topology.vertex_count() {
-            return None;
-        }
-        Some(self.at_vertex(node))
+        let [found] = self.nodes(&[node])[..] else { return None };
+        found
     }
 
     /// Displacement, m, and velocity, m/s, of the first node of a vertex.
     pub(crate) fn at_vertex(&self, vertex: u32) -> ([f64; D], [f64; D]) {
-        let node = self.solid().node_at(self.topology.corners_of(vertex)[0]) as usize;
-        (self.solid().displacement(node, &self.model), self.solid().velocity(node))
+        self.at_vertices(&[vertex]).pop().unwrap_or(([0.0; D], [0.0; D]))
+    }
+
+    /// [`Simulation::at_vertex`] for some vertices.
+    fn at_vertices(&self, vertices: &[u32]) -> Vec<([f64; D], [f64; D])> {
+        let corners = || vertices.iter().map(|&vertex| self.topology.corners_of(vertex)[0]);
+        let nodes = self.looked_at(&Wanted::default(), |Columns { solid, .. }| {
+            corners().map(|corner| solid.node_at(corner)).collect::<Vec<_>>()
+        });
+        let wanted = Wanted { nodes, ..Wanted::default() };
+        self.looked_at(&wanted, |Columns { solid, .. }| {
+            let nodes = wanted.nodes.iter().map(|&node| node as usize);
+            nodes.map(|node| (solid.displacement(node, &self.model), solid.velocity(node))).collect()
+        })
     }
 
     /// [`Simulation::node`] for some nodes.
     pub fn nodes(&self, nodes: &[u32]) -> Vec<Option<([f64; D], [f64; D])>> {
-        nodes.iter().map(|&node| self.node(node)).collect()
+        let is_there = |node: &u32| (*node as usize) < self.topology.vertex_count();
+        let there: Vec<u32> = nodes.iter().copied().filter(is_there).collect();
+        let mut found = self.at_vertices(&there).into_iter();
+        nodes.iter().map(|node| if is_there(node) { found.next() } else { None }).collect()
     }
 }

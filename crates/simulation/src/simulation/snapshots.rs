@@ -8,6 +8,7 @@ use crate::compiled::compiled;
 use crate::forces::{ContactForce, Forces, OwnForces};
 use crate::joints::saved::JointView;
 use crate::joints::{Break, Joint};
+use crate::machine::{Columns, Wanted};
 use crate::simplex::Simplex;
 use crate::simulation::run::Simulation;
 use crate::snapshot::{Crack, Mode, Snapshot, WetJoint};
@@ -100,13 +101,15 @@ where
 
     /// Sums of the lengths of the joints that the run has broken and that are `counted`, by mode.
     pub(crate) fn lengths_of_cracks(&self, counted: impl Fn(u32) -> bool) -> [Sum; 3] {
-        let mut lengths = [(); 3].map(|()| Sum::default());
         let cracked =
             |(number, joint, _): &(u32, &Joint<D>, &Break)| !joint.open_from_start && counted(*number);
-        for (_, joint, broken) in self.joints().breaks().filter(cracked) {
-            lengths[mode(broken.modes) as usize].add(joint.measure);
-        }
-        lengths
+        self.looked_at(&Wanted::default(), |Columns { joints, .. }| {
+            let mut lengths = [(); 3].map(|()| Sum::default());
+            for (_, joint, broken) in joints.breaks().filter(cracked) {
+                lengths[mode(broken.modes) as usize].add(joint.measure);
+            }
+            lengths
+        })
     }
 
     /// Fragment of each element: elements that hang together by facets have one number, from 0 in the order
@@ -119,7 +122,9 @@ where
     }
 
     fn own_fragments(&self) -> Vec<u32> {
-        self.topology.pieces(|facet| self.joints().holds(facet))
+        self.looked_at(&Wanted::default(), |Columns { joints, .. }| {
+            self.topology.pieces(|facet| joints.holds(facet))
+        })
     }
 
     /// Forces of contacts and boundaries at the beginning of the last step.

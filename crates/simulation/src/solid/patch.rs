@@ -26,6 +26,9 @@ where
             self.deformed[element / LANES].set_stress(element % LANES, stress);
             self.forces[element] = *forces;
         }
+        for (&element, normal) in elements.iter().zip(&values.normals) {
+            self.histories[element as usize / LANES].set_memory(element as usize % LANES, normal);
+        }
     }
 
     /// Takes the changes of the states of some elements over: see [`ElementValues::moved`].

@@ -250,6 +250,7 @@ where
             due = (stop == row).then(|| present.numbers());
             rows.push(present);
         }
+        self.run.check_device()?;
         Ok(Passed { rows, due })
     }
 
@@ -326,6 +327,7 @@ where
             turned.told.push(ended);
             return Ok(());
         }
+        self.run.settle().map_err(|stop| Failure::Wrong(stop.to_string()))?;
         let before = self.observer.values(&*self.run, &self.prepared);
         let next = stages.next(&self.prepared, self.run.state(), self.run.threads());
         let (mut prepared, run) =
@@ -379,6 +381,7 @@ where
             }
             let values =
                 values.get_or_insert_with(|| self.observer.values(&*self.run, &self.prepared).concat());
+            self.run.check_device().map_err(|stop| Failure::Wrong(stop.to_string()))?;
             let boundary = &self.prepared.model.boundaries[servo.boundary];
             if values[servo.place].is_nan() {
                 let line = format!(

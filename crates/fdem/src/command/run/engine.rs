@@ -12,8 +12,15 @@ type Moved<const D: usize> = ([f64; D], [f64; D]);
 
 /// A simulation, wherever it is computed.
 pub(crate) trait Engine<const D: usize, const N: usize> {
-    /// Takes steps.
+    /// Takes steps. Values of a run on a device stay there: those that are read one by one count after
+    /// [`Engine::check_device`], all others after [`Engine::settle`].
     fn advance(&mut self, steps: u64) -> Result<(), Stop>;
+
+    /// Reads all values from a device.
+    fn settle(&self) -> Result<(), Stop>;
+
+    /// Whether the device of the run has returned all values that have been read.
+    fn check_device(&self) -> Result<(), Stop>;
 
     /// Checks the energy balance at the end of a run, and changes nothing.
     fn check_balance(&self) -> Result<(), Stop>;
@@ -60,10 +67,6 @@ pub(crate) trait Engine<const D: usize, const N: usize> {
 /// Functions that a simulation and one on many ranks have under the same names.
 macro_rules! of_the_same_name {
     () => {
-        fn advance(&mut self, steps: u64) -> Result<(), Stop> {
-            self.advance(steps)
-        }
-
         fn check_balance(&self) -> Result<(), Stop> {
             self.check_balance()
         }
@@ -157,6 +160,18 @@ where
 {
     of_the_same_name!();
 
+    fn advance(&mut self, steps: u64) -> Result<(), Stop> {
+        self.advance_unsettled(steps)
+    }
+
+    fn settle(&self) -> Result<(), Stop> {
+        self.settle()
+    }
+
+    fn check_device(&self) -> Result<(), Stop> {
+        self.check_device()
+    }
+
     fn set_factor(&mut self, boundary: usize, factor: f64) -> Result<(), String> {
         self.set_factor(boundary, Some(factor)).map_err(|error| error.to_string())
     }
@@ -190,6 +205,19 @@ where
     [[f64; D]; N]: Results<D, N>,
 {
     of_the_same_name!();
+
+    fn advance(&mut self, steps: u64) -> Result<(), Stop> {
+        self.advance(steps)
+    }
+
+    /// Ranks have no devices.
+    fn settle(&self) -> Result<(), Stop> {
+        Ok(())
+    }
+
+    fn check_device(&self) -> Result<(), Stop> {
+        Ok(())
+    }
 
     fn set_factor(&mut self, boundary: usize, factor: f64) -> Result<(), String> {
         self.set_factor(boundary, factor).map_err(|error| error.to_string())

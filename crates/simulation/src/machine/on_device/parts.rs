@@ -3,21 +3,63 @@
 
 use std::sync::PoisonError;
 
-use crate::accelerator::{Accelerator, FromDevice};
+use crate::accelerator::{Accelerator, ElementValues, FromDevice, JointMemories};
 use crate::joints::Pulling;
 use crate::lists::once_each;
-use crate::machine::Columns;
 use crate::machine::on_device::OnDevice;
+use crate::machine::{Columns, Wanted};
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::topology::Topology;
+use crate::vector::Point;
 
-/// Nodes, elements and joints whose present values a phase of the host reads, each ascending.
-#[derive(Debug, Default)]
-struct Wanted {
-    nodes: Vec<u32>,
-    elements: Vec<u32>,
-    joints: Vec<u32>,
+/// The present values of wanted nodes, elements and joints.
+pub(super) struct Values<const D: usize, const N: usize> {
+    positions: Vec<Point<D>>,
+    nodes: [Vec<Point<D>>; 2],
+    elements: ElementValues<D, N>,
+    joints: JointMemories<D>,
+}
+
+/// Reads the present values of wanted nodes, elements and joints.
+pub(super) fn read<const D: usize, const N: usize>(
+    device: &mut dyn Accelerator<D, N>,
+    wanted: &Wanted,
+) -> FromDevice<Values<D, N>> {
+    let Wanted { positions, nodes, elements, joints } = wanted;
+    let mut values = Values {
+        positions: Vec::new(),
+        nodes: Default::default(),
+        elements: ElementValues::default(),
+        joints: JointMemories::default(),
+    };
+    if !positions.is_empty() {
+        values.positions = device.read_positions(positions)?;
+    }
+    if !nodes.is_empty() {
+        values.nodes = device.read_nodes(nodes)?;
+    }
+    if !elements.is_empty() {
+        values.elements = device.read_elements(elements)?;
+    }
+    if !joints.is_empty() {
+        values.joints = device.read_joints(joints)?;
+    }
+    Ok(values)
+}
+
+impl<const D: usize, const N: usize> Values<D, N>
+where
+    [[f64; D]; N]: Simplex<D, N>,
+{
+    /// Puts them into the columns of the host.
+    pub(super) fn put_into(self, wanted: &Wanted, columns: &mut Columns<D, N>) {
+        columns.solid.take_positions(&wanted.positions, &self.positions);
+        columns.solid.take_nodes(&wanted.nodes, &self.nodes);
+        columns.solid.take_elements(&wanted.elements, &self.elements);
+        columns.solid.take_moved(&wanted.elements, &self.elements.moved);
+        columns.joints.take_some(&wanted.joints, self.joints);
+    }
 }
 
 impl<const D: usize, const N: usize> OnDevice<D, N>
@@ -45,21 +87,13 @@ where
     /// Reads the present values of some nodes, elements and joints, unless the columns of the host are up to
     /// date. Returns nothing if the device has failed.
     fn refresh(&mut self, wanted: &Wanted) -> Option<()> {
-        let Wanted { nodes, elements, joints } = wanted;
         if self.host.get().is_some() {
             // The device alone knows how far elements are from their noted states.
-            let values = self.call(|device| device.read_elements(elements))?;
-            self.known().solid.take_moved(elements, &values.moved);
+            let values = self.call(|device| device.read_elements(&wanted.elements))?;
+            self.known().solid.take_moved(&wanted.elements, &values.moved);
             return Some(());
         }
-        let (of_nodes, of_elements, of_joints) = self.call(|device| {
-            Ok((device.read_nodes(nodes)?, device.read_elements(elements)?, device.read_joints(joints)?))
-        })?;
-        let columns = self.known();
-        columns.solid.take_nodes(nodes, &of_nodes);
-        columns.solid.take_elements(elements, &of_elements);
-        columns.solid.take_moved(elements, &of_elements.moved);
-        columns.joints.take_some(joints, of_joints);
+        self.call(|device| read(device, wanted))?.put_into(wanted, self.known());
         Some(())
     }
 
@@ -73,9 +107,9 @@ where
     }
 
     /// Computes joints, ascending, one by one at a time, s.
-    pub(super) fn pull_left(&mut self, joints: Vec<u32>, step: f64, time: f64) -> Option<Pulling> {
-        let [nodes, elements] = self.known().joints.beside(&joints);
-        let wanted = Wanted { nodes, elements, joints };
+    pub(super) fn pull_left(&mut self, joints: &[u32], step: f64, time: f64) -> Option<Pulling> {
+        let [nodes, elements] = self.known().joints.beside(joints);
+        let wanted = Wanted { nodes, elements, joints: joints.to_vec(), ..Wanted::default() };
         self.refresh(&wanted)?;
         // Joints carry a part of the forces between their elements.
         self.refresh_couples();
@@ -105,7 +139,8 @@ where
         if let Some(due) = due {
             let nodes = solid.nodes_of_all(&due.around);
             let joined = joints.of_elements(&due.around, topology);
-            self.refresh(&Wanted { nodes, elements: due.around.clone(), joints: joined })?;
+            let elements = due.around.clone();
+            self.refresh(&Wanted { nodes, elements, joints: joined, ..Wanted::default() })?;
             let Columns { solid, joints, .. } = self.known();
             let [found, noted] = joints.failing_among(due, &mut lists, solid, model, topology, &team);
             self.note(&noted)?;
@@ -132,7 +167,8 @@ where
         let Columns { solid, joints, .. } = self.known();
         let (nodes, joined) = (solid.nodes_of_all(&elements), joints.of_elements(&elements, topology));
         let before = solid.node_count();
-        self.refresh(&Wanted { nodes, elements: elements.clone(), joints: joined })?;
+        let around = elements.clone();
+        self.refresh(&Wanted { nodes, elements: around, joints: joined, ..Wanted::default() })?;
         change(self.known());
         if self.changed.all {
             // The device takes all columns over before its next phase.
