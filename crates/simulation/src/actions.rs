@@ -132,6 +132,7 @@ where
     ) -> (&[(u32, Point<D>)], Option<Stop>) {
         let mut forces = std::mem::take(&mut self.forces);
         forces.clear();
+        self.fluid.know_pores(self.pores.elements(), || self.pores.pushes());
         let (all, applied, schedules) = self.all_mut();
         applied.clear();
         let mut stop = None;

@@ -409,6 +409,9 @@ where
             | Probe::Cavity(_)
             | Probe::Fluid
             | Probe::Injection(_)
+            | Probe::PorePressure(_)
+            | Probe::Pores
+            | Probe::PoreSurface(_)
             | Probe::Wall { .. }
             | Probe::Spheres { .. } => none(),
         })

@@ -282,10 +282,7 @@ pub(crate) fn push<const D: usize, const N: usize>(
     nodes: &[u32; N],
     material: u32,
 ) -> f64 {
-    let Some(pores) = pores else { return 0.0 };
-    let of_material = pores.materials.get(material as usize).copied().flatten();
-    let pressure = |node: &u32| pores.initial_pressures.get(*node as usize).copied().unwrap_or(0.0);
-    of_material.map_or(0.0, |of| of.biot * nodes.iter().map(pressure).sum::<f64>() / N as f64)
+    pores.map_or(0.0, |pores| pores.first_push(nodes, material))
 }
 
 /// Whether each surface acts in a stage, by its number; `None` if pores have no liquid there.

@@ -76,10 +76,20 @@ pub(crate) struct FluidAction<const D: usize> {
     known: Option<usize>,
     /// Steps until the next one of the fluid.
     left: u32,
+    /// `α p` of elements with liquid in their pores, Pa, by their numbers, ascending.
+    pushes: Vec<(u32, f64)>,
     saved: SavedFluid<D>,
 }
 
 impl<const D: usize> FluidAction<D> {
+    /// Takes over `α p` of elements with liquid in their pores, if the fluid takes a step. `elements`: their
+    /// numbers, ascending.
+    pub(crate) fn know_pores(&mut self, elements: &[u32], pushes: impl FnOnce() -> Vec<f64>) {
+        if self.network.is_some() && self.left == 0 {
+            self.pushes = elements.iter().copied().zip(pushes()).collect();
+        }
+    }
+
     pub(crate) fn network(&self) -> Option<&Network<D>> {
         self.network.as_ref()
     }
@@ -233,7 +243,11 @@ impl<const D: usize> FluidAction<D> {
             network.set_source_volume(key, place.volume)?;
         }
         let located = self.located.as_deref().unwrap_or_default();
-        let sides = sides_of(self.cells.len(), all(peers, motion_of(located, scene)));
+        let push = |element: u32| {
+            let place = self.pushes.binary_search_by_key(&element, |of| of.0);
+            place.map_or(0.0, |place| self.pushes[place].1)
+        };
+        let sides = sides_of(self.cells.len(), all(peers, motion_of(located, scene, &push)));
         let pressures = network.pressures();
         let before = &network.state().cells;
         let pressure = |cell: &FluidCell<D>| {
@@ -339,7 +353,14 @@ impl<const D: usize> FluidAction<D> {
         self.located = None;
         self.locate(scene.topology);
         let located = self.located.as_deref().unwrap_or_default();
-        let sides = sides_of(self.cells.len(), vec![motion_of(located, scene)]);
+        // Cells of a run that continues have the shapes that were saved.
+        let push = |element: u32| {
+            scene.model.pores.as_ref().map_or(0.0, |pores| {
+                let mesh = &scene.model.mesh;
+                pores.first_push(&mesh.elements[element as usize], mesh.materials[element as usize])
+            })
+        };
+        let sides = sides_of(self.cells.len(), vec![motion_of(located, scene, &push)]);
         let shape = |(cell, sides): (&FluidCell<D>, &[_; 2])| match saved.cells.get(&cell.key()) {
             Some(of) => of.shape(),
             None => cell.shape::<N>(sides, first_pressure(options), options, scene.step),

@@ -102,7 +102,7 @@ where
     }
 
     /// `α p` of each element with pores, Pa.
-    fn pushes(&self) -> Vec<f64> {
+    pub(crate) fn pushes(&self) -> Vec<f64> {
         let Some(matrix) = &self.matrix else { return Vec::new() };
         self.biot.iter().enumerate().map(|(k, biot)| biot * matrix.pressure_in(k)).collect()
     }

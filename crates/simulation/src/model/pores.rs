@@ -46,6 +46,13 @@ impl<const D: usize> PoreOptions<D> {
         self.materials.get(number as usize)?.as_ref()
     }
 
+    /// `α p` at the beginning of an element with these nodes, Pa; zero without pores.
+    pub fn first_push<const N: usize>(&self, nodes: &[u32; N], material: u32) -> f64 {
+        let pressure = |node: &u32| self.initial_pressures.get(*node as usize).copied().unwrap_or(0.0);
+        let mean = nodes.iter().map(pressure).sum::<f64>() / N as f64;
+        self.material(material).map_or(0.0, |pores| pores.biot * mean)
+    }
+
     /// The pores of a part of a model: surfaces have the nodes that are left, and those without any are left
     /// out. `nodes`: the number in the part of each node.
     pub(crate) fn on_part(mut self, nodes: &[Option<u32>]) -> Self {

@@ -633,6 +633,27 @@ fn cracked() -> Model {
     model
 }
 
+/// A closed joint between pores: the total compression, of which elements have the effective part, less the
+/// pressure in the joint closes it.
+#[test]
+fn the_total_compression_less_the_pressure_closes_a_joint_in_pores() {
+    let (mut model, pressure, initial) = (cracked(), 1e6, 5e-5);
+    model.stresses = vec![[[-3e6, 0.0], [0.0, 0.0]]; model.mesh.elements.len()];
+    let pores = model.pores.as_mut().expect("pores");
+    (pores.initial_pressures, pores.surfaces) = (vec![pressure; model.mesh.nodes.len()], Vec::new());
+    let fluid = model.fluid.as_mut().expect("a fluid");
+    let law = ApertureLaw { initial, reference_stress: Some(1e7), residual: 1e-7, ..ApertureLaw::default() };
+    (fluid.set_apertures, fluid.initial_pressure) = (vec![law], Some(pressure));
+    let mut run = Simulation::new(model, 1).expect("a model");
+    let effective = 3e6 + (ROCK.biot - 1.0) * pressure;
+    for _ in 0..3 {
+        run.advance(1).expect("a step");
+        let apertures = run.fluid().expect("a fluid").apertures();
+        let expected = initial / (1.0 + 9.0 * effective / 1e7);
+        assert!(apertures.iter().all(|a| (a / expected - 1.0).abs() < 0.02), "{expected}: {apertures:?}");
+    }
+}
+
 /// Cracks give fluid to pores: each side has the volume of the other, in any number of threads and after a
 /// pause.
 #[test]

@@ -167,10 +167,12 @@ where
     cells
 }
 
-/// The motion of the sides whose elements are counted here.
+/// The motion of the sides whose elements are counted here. `push`: `α p` of the liquid in the pores of an
+/// element, Pa, which its effective stress is without.
 pub(super) fn motion_of<const D: usize, const N: usize>(
     located: &[Located<D>],
     scene: &Scene<'_, D, N>,
+    push: &dyn Fn(u32) -> f64,
 ) -> Vec<SideMotion<D>>
 where
     [[f64; D]; N]: Simplex<D, N>,
@@ -184,13 +186,11 @@ where
             if solid.share().element(element) {
                 let places = corners.map(|corner| solid.position_at(corner));
                 let velocities = corners.map(|corner| solid.velocity_at(corner));
-                motion.push(SideMotion {
-                    cell,
-                    side,
-                    places,
-                    velocities,
-                    stress: solid.stress(element as usize),
-                });
+                let (mut stress, push) = (solid.stress(element as usize), push(element));
+                for (axis, row) in stress.iter_mut().enumerate() {
+                    row[axis] -= push;
+                }
+                motion.push(SideMotion { cell, side, places, velocities, stress });
             }
         }
     }
