@@ -36,6 +36,7 @@ pub(crate) const TEMPLATES: [Template; 33] = [
     template!("borehole"),
     template!("brazilian_disc"),
     template!("compression"),
+    template!("dam_seepage"),
     template!("direct_shear"),
     template!("falling_blocks"),
     template!("fluid_borehole"),
