@@ -29,7 +29,7 @@ macro_rules! template {
 }
 
 /// All templates: two dimensions first, then three.
-pub(crate) const TEMPLATES: [Template; 33] = [
+pub(crate) const TEMPLATES: [Template; 34] = [
     Template { name: "starter", text: STARTER, file: None },
     template!("bar_impact"),
     template!("bedded_rock"),
