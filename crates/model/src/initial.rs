@@ -200,8 +200,9 @@ where
         if let Some(ground) = ground {
             let density =
                 ground.density.unwrap_or_else(|| file.material.first().map_or(0.0, |first| first.density));
-            // The liquid in pores bears its part of the weight.
+            // Water stands on ground below its level, and the liquid in pores bears its part of the weight.
             let vertical = -density * gravity * (ground.surface - height).max(0.0)
+                - gravity * pores::standing(file, pores, ground.surface)
                 + pores::push(pores, nodes, *material);
             let (k0, tectonic) = (ground.k0.along(), ground.tectonic.map_or([0.0; 2], file::Ratio::along));
             components[D - 1] += vertical;

@@ -285,6 +285,17 @@ pub(crate) fn push<const D: usize, const N: usize>(
     pores.map_or(0.0, |pores| pores.first_push(nodes, material))
 }
 
+/// Mass of the water on each unit of area of ground with a surface at this height, kg/m²: up to the level of
+/// the water.
+pub(crate) fn standing<const D: usize>(
+    file: &ModelFile,
+    pores: Option<&PoreOptions<D>>,
+    surface: f64,
+) -> f64 {
+    let level = file.pores.as_ref().and_then(|pores| pores.water_level);
+    pores.zip(level).map_or(0.0, |(pores, level)| pores.liquid.density * (level - surface).max(0.0))
+}
+
 /// Whether each surface acts in a stage, by its number; `None` if pores have no liquid there.
 pub(crate) fn act(file: &ModelFile, stage: usize) -> Option<Vec<bool>> {
     let name = &file.stage[stage].name;

@@ -150,6 +150,22 @@ fn ground_with_a_water_level_is_at_rest() {
     assert!(most < 1e-10, "{most}");
     let flows = run.pores().unwrap().flows();
     assert!(flows.as_flattened().iter().all(|flow| flow.abs() < 1e-11), "{flows:?}");
+    // Below a lake of 5 m: its water is a load, and the effective stress is that of ground up to its surface.
+    let lake = "[[boundary]]\nname = \"lake\"\nside = \"top\"\npressure = \"5*9980\"\n";
+    let lake = right(
+        &(text.replace("water_level = -1", "water_level = 5").replace("biot = 0.9", "biot = 1") + lake),
+    );
+    let top =
+        lake.model.mesh.elements.iter().map(|nodes| {
+            nodes.iter().map(|node| lake.model.mesh.nodes[*node as usize][1]).sum::<f64>() / 3.0
+        });
+    for (height, stress) in top.zip(&lake.model.stresses) {
+        assert!((stress[1][1] - (2e4 - 9980.0) * height).abs() < 1e-6, "{height} {stress:?}");
+    }
+    let mut run = Simulation::new(lake.model.clone(), 1).unwrap();
+    run.advance(200).unwrap();
+    let most = run.snapshot().displacements.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    assert!(most < 1e-10, "{most}");
     // Without its liquid, the stress is that of the weight; so is that of a liquid of a later stage.
     let stages = "[[stage]]\nname = \"dry\"\nduration = 1e-3\n[[stage]]\nname = \"wet\"\n";
     let later = text.replace("water_level = -1", "water_level = -1\nfrom_stage = \"wet\"") + stages;

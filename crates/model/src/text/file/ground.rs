@@ -7,7 +7,8 @@ use serde::Deserialize;
 /// `k0` times that, plus the tectonic stress. Above the surface the stress is zero. Needs gravity along the
 /// last axis, and in two dimensions plane strain. With the density of the bodies, nothing moves at the
 /// beginning. Where pores have liquid at the beginning, it is the effective stress: the vertical one is the
-/// weight less the part that the liquid bears, and the horizontal one is `k0` times that.
+/// weight less the part that the liquid bears, and the horizontal one is `k0` times that. A `water_level`
+/// above the surface is water that stands on it: its pressure is a `[[boundary]]`.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ground {
