@@ -136,6 +136,12 @@ impl<M, const D: usize> DeviceContacts<M, D> {
         Ok(())
     }
 
+    /// Whether each couple touches.
+    pub(crate) fn touching(&self, device: &impl Device<Memory = M>) -> Result<Vec<bool>, GpuError> {
+        let states = self.states.to_vec(device, self.count)?;
+        Ok(states.iter().map(|state| state & TOUCHES != 0).collect())
+    }
+
     /// The state of the couples.
     pub(crate) fn read(&self, device: &impl Device<Memory = M>) -> Result<CoupleStates<D>, GpuError> {
         let count = self.count;

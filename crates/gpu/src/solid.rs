@@ -344,6 +344,10 @@ impl<V: Device + Send + Sync, const D: usize, const N: usize> Accelerator<D, N> 
         Ok(self.contacts.read(&*self.device)?)
     }
 
+    fn read_touching(&self) -> FromDevice<Vec<bool>> {
+        Ok(self.contacts.touching(&*self.device)?)
+    }
+
     fn press(&mut self, press: &Press) -> FromDevice<PressSums> {
         let device = &*self.device;
         let nodes = [&self.positions, &self.velocities].map(|column| column.address(device));

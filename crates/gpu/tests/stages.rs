@@ -150,7 +150,8 @@ fn stages_stay_on_the_device() {
     }
 }
 
-/// A stage for which the device has no memory is an error; the run is on the processor then, and can continue.
+/// A stage for which the device has no memory is an error; the run is on the processor then, and can
+/// continue.
 #[test]
 fn a_stage_for_which_the_device_has_no_memory_is_an_error() {
     let mut run = Simulation::new(ground(false, 0.0), 1).unwrap();

@@ -447,7 +447,7 @@ where
         assert_eq!(run.force(0), expected.force(0));
         assert_eq!(run.imbalance().to_bits(), expected.imbalance().to_bits());
         run.check_device().unwrap();
-        // The first step exchanges what the host has.
+        // The first steps exchange columns that the host has.
         if step > 0 {
             sent[0] += between - before;
             sent[1] += device.bytes()[0] - between;
@@ -584,8 +584,8 @@ fn runs_go_to_a_device_and_back_while_bodies_touch() {
     contacts_go_to_a_device_and_back(joined::<3, 4>(15.0, 300.0), 25);
 }
 
-/// Steps in which bodies touch copy sums, and no columns, but for the positions of the elements that can touch
-/// where couples of these are searched, and couples where they are chosen anew.
+/// Steps in which bodies touch copy sums, and no columns, but for the positions of the elements that can
+/// touch where couples of these are searched, and couples where they are chosen anew.
 #[test]
 fn steps_in_contact_copy_no_columns() {
     let device = Counted::new();
@@ -596,8 +596,8 @@ fn steps_in_contact_copy_no_columns() {
     run.advance(60).unwrap();
     let [sent, got] = [0, 1].map(|way| device.bytes()[way] - before[way]);
     let searched = run.counts().detections - detections;
-    // The sums of a step have 15 kB, positions of a search 5 kB, and all columns 250 kB: once it is done. With
-    // all nodes and couples in each search it would be 1.6 MB.
+    // The sums of a step have 15 kB, positions of a search 5 kB, and all columns 250 kB: once it is done.
+    // With all nodes and couples in each search it would be 1.6 MB.
     assert!(searched > 5 && sent < 1_450_000, "{sent} bytes, {searched} detections");
     // Couples, where they are chosen anew.
     assert!(got < 550_000, "{got} bytes");

@@ -397,6 +397,12 @@ pub trait Accelerator<const D: usize, const N: usize>: fmt::Debug + Send {
     /// The device fails.
     fn read_couples(&self) -> FromDevice<CoupleStates<D>>;
 
+    /// Whether each couple touches.
+    ///
+    /// # Errors
+    /// The device fails.
+    fn read_touching(&self) -> FromDevice<Vec<bool>>;
+
     /// Computes the forces of all couples, and adds them to those on corners in the order of the couples.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use fdem_simulation::{
 };
 use serde::Serialize;
 
-use crate::{boundary, bytes, facets, joined, model_of, put_on, side};
+use crate::{Counted, boundary, bytes, facets, joined, meeting, model_of, put_on, side};
 
 /// A body that is drawn and shaken until it breaks in many places. `damping`: of elements, and of nodes.
 fn breaking<const D: usize, const N: usize>(speed: f64, [damping, local]: [f64; 2]) -> Model<D, N> {
@@ -206,6 +206,30 @@ fn quiet_steps_of_bodies_that_may_break_copy_no_columns() {
     let (_, may_break) = drawn::<2, 3>(1e-4, Some(1e6), 50);
     let (_, cannot) = drawn::<2, 3>(1e-4, None, 50);
     assert_eq!(may_break, cannot);
+}
+
+/// Where bodies that may break touch, a step reads which couples do, and no histories of these.
+#[test]
+fn steps_in_contact_of_bodies_that_may_break_read_no_couples() {
+    let sent = |strength: Option<f64>| {
+        let mut model = meeting::<2, 3>(20);
+        let [of_rock, _] = &joined::<2, 3>(0.0, 3000.0).materials[..] else { panic!("two materials") };
+        for material in &mut model.materials {
+            material.strength =
+                strength.map(|size| Strength { tensile: size, cohesion: size, ..of_rock.strength.unwrap() });
+        }
+        let device = Counted::new();
+        let mut run = Simulation::new(model, 1).unwrap();
+        run.put_on(Box::new(DeviceSolid::new(Arc::clone(&device)))).unwrap();
+        run.advance(40).unwrap();
+        let before = device.bytes()[0];
+        run.advance_unsettled(60).unwrap();
+        assert!(run.counts().contacts > 10 && run.counts().joints == 0, "{:?}", run.counts());
+        device.bytes()[0] - before
+    };
+    let (may_break, cannot) = (sent(Some(1e12)), sent(None));
+    // The elements around those that touch have 113 kB, the histories of couples 20 kB.
+    assert!(may_break - cannot < 60 * 115_000, "{} bytes more in a step", (may_break - cannot) / 60);
 }
 
 /// Steps with few insertions copy the values around these, and no columns.

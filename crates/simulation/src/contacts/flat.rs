@@ -26,6 +26,12 @@ where
         self.elements.all()[place].parts
     }
 
+    /// The elements of the couples for which this is true, with repetitions.
+    pub(crate) fn elements_where(&self, touches: &[bool]) -> Vec<u32> {
+        let all = self.elements.all().iter().zip(touches);
+        all.filter(|(_, touches)| **touches).flat_map(|(couple, _)| couple.parts).collect()
+    }
+
     /// All couples, and the values of them that phases change.
     pub(crate) fn flat(
         &self,

@@ -252,7 +252,8 @@ pub(crate) struct BatchConstants<const D: usize> {
 }
 
 impl<const D: usize> Bedded<D> {
-    /// The law as plain numbers, with the moduli of shear and bulk of its share of the neo-Hookean energy, Pa.
+    /// The law as plain numbers, with the moduli of shear and bulk of its share of the neo-Hookean energy,
+    /// Pa.
     pub(crate) fn flat(&self) -> ([f64; 2], FlatBedding<D>) {
         (self.isotropic, FlatBedding { rest: self.rest(), normal: self.normal })
     }

@@ -14,6 +14,7 @@
 mod contacts;
 mod parts;
 mod rigid;
+mod values;
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -23,6 +24,7 @@ use crate::contacts::Touching;
 use crate::error::Stop;
 use crate::joints::Pulling;
 use crate::joints::due::CheckLists;
+use crate::machine::on_device::values::Values;
 use crate::machine::{Columns, Machine, Wanted};
 use crate::model::Model;
 use crate::motion::nodes::Motion;
@@ -378,7 +380,7 @@ where
         let columns = stale.as_mut().expect("the columns are in one of the two places");
         if !wanted.is_empty() && self.failure().is_none() {
             let mut device = self.device.lock().unwrap_or_else(PoisonError::into_inner);
-            match parts::read(&mut **device, wanted) {
+            match Values::read(&mut **device, wanted) {
                 Ok(values) => values.put_into(wanted, columns),
                 Err(error) => self.fail(&error.to_string()),
             }

@@ -13,8 +13,8 @@ where
     /// Puts the run on a device, which computes the elements, joints, contacts, supports and the motion of
     /// the nodes from the next step on; the processor computes all else. Results are the same to the last
     /// bit. A step copies the positions of elements that can touch where couples of these are searched, and
-    /// all columns where more than 1 % of the facets fail. Where fewer fail, or joints begin to soften or break, it copies the values
-    /// around these.
+    /// all columns where more than 1 % of the facets fail. Where fewer fail, or joints begin to soften or
+    /// break, it copies the values around these.
     ///
     /// # Errors
     /// [`ModelError::OnDevice`] if the device has too little memory or fails, and for a part of a run on many
@@ -52,8 +52,8 @@ where
         before.machine.into_device().map_or(Ok(()), |device| self.put_on(device))
     }
 
-    /// Reads all values of a run from its device, so that functions that look at them do not read any. Nothing
-    /// without a device.
+    /// Reads all values of a run from its device, so that functions that look at them do not read any.
+    /// Nothing without a device.
     ///
     /// # Errors
     /// [`Stop::Device`] if the device has failed.

@@ -48,6 +48,17 @@ where
         }
     }
 
+    /// The elements that touch others, with repetitions.
+    pub(super) fn touching(&mut self) -> Vec<u32> {
+        let team = self.team.clone();
+        let has_couples = self.known().contacts.has_couples();
+        if self.host.get().is_some() || self.couples_changed || !has_couples {
+            return self.known().contacts.touching(&team);
+        }
+        let touches = self.call(|device| device.read_touching()).unwrap_or_default();
+        self.known().contacts.elements_where(&touches)
+    }
+
     /// Updates the couples of the host.
     pub(super) fn refresh_couples(&mut self) {
         if self.host.get().is_some() || self.couples_changed || !self.known().contacts.has_couples() {

@@ -3,64 +3,15 @@
 
 use std::sync::PoisonError;
 
-use crate::accelerator::{Accelerator, ElementValues, FromDevice, JointMemories};
+use crate::accelerator::{Accelerator, FromDevice};
 use crate::joints::Pulling;
 use crate::lists::once_each;
 use crate::machine::on_device::OnDevice;
+use crate::machine::on_device::values::Values;
 use crate::machine::{Columns, Wanted};
 use crate::model::Model;
 use crate::simplex::Simplex;
 use crate::topology::Topology;
-use crate::vector::Point;
-
-/// The present values of wanted nodes, elements and joints.
-pub(super) struct Values<const D: usize, const N: usize> {
-    positions: Vec<Point<D>>,
-    nodes: [Vec<Point<D>>; 2],
-    elements: ElementValues<D, N>,
-    joints: JointMemories<D>,
-}
-
-/// Reads the present values of wanted nodes, elements and joints.
-pub(super) fn read<const D: usize, const N: usize>(
-    device: &mut dyn Accelerator<D, N>,
-    wanted: &Wanted,
-) -> FromDevice<Values<D, N>> {
-    let Wanted { positions, nodes, elements, joints } = wanted;
-    let mut values = Values {
-        positions: Vec::new(),
-        nodes: Default::default(),
-        elements: ElementValues::default(),
-        joints: JointMemories::default(),
-    };
-    if !positions.is_empty() {
-        values.positions = device.read_positions(positions)?;
-    }
-    if !nodes.is_empty() {
-        values.nodes = device.read_nodes(nodes)?;
-    }
-    if !elements.is_empty() {
-        values.elements = device.read_elements(elements)?;
-    }
-    if !joints.is_empty() {
-        values.joints = device.read_joints(joints)?;
-    }
-    Ok(values)
-}
-
-impl<const D: usize, const N: usize> Values<D, N>
-where
-    [[f64; D]; N]: Simplex<D, N>,
-{
-    /// Puts them into the columns of the host.
-    pub(super) fn put_into(self, wanted: &Wanted, columns: &mut Columns<D, N>) {
-        columns.solid.take_positions(&wanted.positions, &self.positions);
-        columns.solid.take_nodes(&wanted.nodes, &self.nodes);
-        columns.solid.take_elements(&wanted.elements, &self.elements);
-        columns.solid.take_moved(&wanted.elements, &self.elements.moved);
-        columns.joints.take_some(&wanted.joints, self.joints);
-    }
-}
 
 impl<const D: usize, const N: usize> OnDevice<D, N>
 where
@@ -93,7 +44,7 @@ where
             self.known().solid.take_moved(&wanted.elements, &values.moved);
             return Some(());
         }
-        self.call(|device| read(device, wanted))?.put_into(wanted, self.known());
+        self.call(|device| Values::read(device, wanted))?.put_into(wanted, self.known());
         Some(())
     }
 
@@ -129,8 +80,7 @@ where
         loaded: Vec<u32>,
     ) -> Option<Vec<u32>> {
         let (team, mut lists) = (self.team.clone(), std::mem::take(&mut self.lists));
-        self.refresh_couples();
-        let mut pressed = self.known().contacts.touching(&team);
+        let mut pressed = self.touching();
         pressed.extend(loaded);
         let awake = self.call(|device| device.awake())?;
         let Columns { solid, joints, .. } = self.known();
