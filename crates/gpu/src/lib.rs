@@ -20,9 +20,9 @@
 //!   viscosity and bedding, joints that are whole or soften, contacts between elements, forces on corners,
 //!   supports and prescribed motions, gravity, damping, and all sums of energies and works. It finds the
 //!   elements whose facets may fail. The processor computes the rest of such a run: loads, the search of
-//!   couples that may touch, rigid bodies, insertion and splitting, and joints in the step in which they begin
-//!   to soften, break, or are handed over to contact. The device sends the rows of its arrays that these need,
-//!   and takes changed rows over (`patch.rs`). The run can go back at any step.
+//!   couples that may touch, rigid bodies, insertion and splitting, and joints in the step in which they
+//!   begin to soften, break, or are handed over to contact. The device sends the rows of its arrays that
+//!   these need, and takes changed rows over (`patch.rs`). The run can go back at any step.
 //! - [`memory_of`] counts the memory of such a run, by a device that only counts.
 //!
 //! # Sums
