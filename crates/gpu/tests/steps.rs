@@ -407,7 +407,7 @@ fn quiet_steps_copy_no_columns() {
 }
 
 /// Rows of a history read the values that they need from the device, and no columns. `most`: bytes of a row.
-fn histories_copy_no_columns<const D: usize, const N: usize>(model: Model<D, N>, most: usize)
+fn histories_copy_no_columns<const D: usize, const N: usize>(model: &Model<D, N>, most: usize)
 where
     [[f64; D]; N]: Element<D, N>,
 {
@@ -474,10 +474,10 @@ where
 
 #[test]
 fn rows_of_histories_copy_no_columns() {
-    histories_copy_no_columns(joined::<2, 3>(0.01, 300.0), 1000);
-    histories_copy_no_columns(bedding::bedded(joined::<2, 3>(0.01, 300.0), true), 1000);
-    histories_copy_no_columns(joined::<3, 4>(0.01, 300.0), 1800);
-    histories_copy_no_columns(meeting::<2, 3>(20), 1000);
+    histories_copy_no_columns(&joined::<2, 3>(0.01, 300.0), 1000);
+    histories_copy_no_columns(&bedding::bedded(joined::<2, 3>(0.01, 300.0), true), 1000);
+    histories_copy_no_columns(&joined::<3, 4>(0.01, 300.0), 1800);
+    histories_copy_no_columns(&meeting::<2, 3>(20), 1000);
 }
 
 /// A body and one above it that falls on it and slides along it.
