@@ -9,9 +9,9 @@ use crate::error::{FluidError, check};
 /// Hydraulic aperture as a function of the mechanical opening and of the compression of a closed joint.
 ///
 /// `a = clamp(a0 + f w, a_res, a_max)`, with the mechanical opening `w`. Where `w` is zero and the joint has
-/// a reference stress `σ_ref`, its aperture falls under an effective compression `σ > 0` as `a = a0/(1 + 9 σ/σ_ref)`,
-/// within the same limits: a tenth of `a0` at the reference stress. At `σ = 0` and `w = 0` both forms are
-/// `a0`.
+/// a reference stress `σ_ref`, its aperture falls under an effective compression `σ > 0` as
+/// `a = a0/(1 + 9 σ/σ_ref)`, within the same limits: a tenth of `a0` at the reference stress. At `σ = 0` and
+/// `w = 0` both forms are `a0`.
 ///
 /// # Source
 /// N. R. Barton, S. C. Bandis and K. Bakhtar, "Strength, deformation and conductivity coupling of rock

@@ -56,7 +56,7 @@ def fields(at: Optional[str] = None) -> list[Field]:
     --------
     >>> import fdem
     >>> [field.key for field in fdem.fields("node")]
-    ['displacement', 'velocity', 'reaction']
+    ['displacement', 'velocity', 'reaction', 'pore_pressure']
     >>> next(field.unit for field in fdem.fields() if field.key == "von_mises")
     'Pa'
     """

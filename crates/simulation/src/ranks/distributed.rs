@@ -283,7 +283,7 @@ where
         self.run.threads()
     }
 
-    /// Memory of the mesh, the nodes, the elements and the joints of this rank, bytes. It is without contacts.
+    /// Memory of the mesh, the nodes, the elements and the joints of this rank, bytes, without contacts.
     pub fn memory(&self) -> usize {
         let run = &self.run;
         let (mesh, solid) = (&run.model.mesh, run.solid());

@@ -317,7 +317,9 @@ fn the_effective_stress_closes_a_joint() {
         let network = run.fluid().expect("a fluid");
         let apertures = network.apertures();
         assert!(apertures.len() >= 5, "{apertures:?}");
-        assert!(apertures.iter().all(|a| (a / (initial / 3.7) - 1.0).abs() < 0.05), "{apertures:?}");
+        // The open notch carries no stress at the beginning.
+        let others = &apertures[1..];
+        assert!(others.iter().all(|a| (a / (initial / 3.7) - 1.0).abs() < 0.05), "{apertures:?}");
         assert!(network.pressures().iter().all(|p| (p / 2e6 - 1.0).abs() < 0.1), "{:?}", network.pressures());
         let balance = network.balance();
         assert!((balance.stored / balance.initial - 1.0).abs() < 1e-12, "{balance:?}");

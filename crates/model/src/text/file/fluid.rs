@@ -74,9 +74,9 @@ pub struct Fluid {
     #[serde(default = "max_aperture")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub max_aperture: f64,
-    /// Effective compression, the total one less the pressure of the fluid, at which a closed crack has a tenth
-    /// of its `aperture`, Pa (Barton and Bandis); not with the explicit scheme. Default:
-    /// none, compression has no effect.
+    /// Effective compression, the total one less the pressure of the fluid, at which a closed crack has a
+    /// tenth of its `aperture`, Pa (Barton and Bandis); not with the explicit scheme. Default: none,
+    /// compression has no effect.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
     pub reference_stress: Option<f64>,

@@ -170,9 +170,8 @@ pub struct JointSet {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
     pub max_aperture: Option<f64>,
-    /// Effective compression, the total one less the pressure of the fluid, at which closed joints have a tenth
-    /// of their `aperture`, Pa (Barton and Bandis). Default:
-    /// that of `[fluid]`.
+    /// Effective compression, the total one less the pressure of the fluid, at which closed joints have a
+    /// tenth of their `aperture`, Pa (Barton and Bandis). Default: that of `[fluid]`.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "Pa"))]
     pub reference_stress: Option<f64>,

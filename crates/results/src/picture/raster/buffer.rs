@@ -25,8 +25,8 @@ pub(crate) const SPREAD: Places<16> = {
     places
 };
 
-/// A channel of a colour, rounded to the nearest from 0 to 255. Without instructions of SSE 4.1, `round` would
-/// call a function for each.
+/// A channel of a colour, rounded to the nearest from 0 to 255. Without instructions of SSE 4.1, `round`
+/// would call a function for each.
 #[inline]
 pub(super) fn byte(channel: f32) -> u8 {
     (channel + 0.5) as u8
