@@ -419,8 +419,8 @@ where
         if found != 0 && found != expected {
             return Err(ModelError::Length { what: "apertures of joint sets", found, expected });
         }
-        let laws = std::iter::once(&options.aperture).chain(&options.set_apertures);
-        if let Some(value) = laws.filter_map(|law| law.reference_stress).next()
+        let mut laws = std::iter::once(&options.aperture).chain(&options.set_apertures);
+        if let Some(value) = laws.find_map(|law| law.reference_stress)
             && options.flow.scheme == Scheme::Explicit
         {
             // The pressure of the step before would close and open joints in turn.
