@@ -4,6 +4,7 @@ pub(crate) mod schedules;
 pub(crate) mod cavities;
 pub(crate) mod fluid;
 pub(crate) mod injections;
+pub(crate) mod acting;
 pub(crate) mod places;
 pub(crate) mod boundaries;
 pub(crate) mod pores;

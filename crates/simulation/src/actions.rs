@@ -132,7 +132,9 @@ where
     ) -> (&[(u32, Point<D>)], Option<Stop>) {
         let mut forces = std::mem::take(&mut self.forces);
         forces.clear();
-        self.fluid.know_pores(self.pores.elements(), || self.pores.pushes());
+        if self.fluid.needs_pores(scene.model.fluid.as_ref()) {
+            self.fluid.know_pores(self.pores.elements().iter().copied().zip(self.pores.pushes()));
+        }
         let (all, applied, schedules) = self.all_mut();
         applied.clear();
         let mut stop = None;

@@ -44,13 +44,9 @@ history_interval = 1e-6
 fields = ["fluid_pressure", "max_principal"]
 "#;
 
-/// A column of the history.
-fn column(bench: &Bench, folder: &str, name: &str) -> Vec<f64> {
-    let text = bench.read(&format!("{folder}/history.csv"));
-    let mut lines = text.lines();
-    let place = lines.next().unwrap().split(',').position(|of| of == name);
-    let place = place.unwrap_or_else(|| panic!("no column {name}"));
-    lines.map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect()
+/// A column of the history of a run.
+pub(crate) fn column(bench: &Bench, folder: &str, name: &str) -> Vec<f64> {
+    crate::stages::column(&bench.read(&format!("{folder}/history.csv")), name)
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::fs;
 use serde_json::Value;
 
 use crate::Bench;
+use crate::stages::column;
 
 /// A plate with an edge notch of 30 mm, given as an open joint set.
 const NOTCH: &str = r#"
@@ -72,13 +73,6 @@ name = "around"
 group = "outer"
 absorbing = true
 "#;
-
-/// The column of a history with this name.
-fn column(history: &str, name: &str) -> Vec<f64> {
-    let mut lines = history.lines();
-    let place = lines.next().unwrap().split(',').position(|other| other == name).unwrap();
-    lines.map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect()
-}
 
 fn run_json(bench: &Bench, folder: &str) -> Value {
     serde_json::from_str(&bench.read(&format!("{folder}/run.json"))).unwrap()

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::Bench;
+use crate::fluid::column as values;
 
 /// Modulus of compression without strain across, Pa, load, Pa, and coefficient of consolidation, m²/s.
 const DRAINED: f64 = 10e9 * 0.8 / (1.2 * 0.6);
@@ -65,15 +66,6 @@ history_interval = 4e-4
 fields = ["pore_pressure"]
 "#
     )
-}
-
-/// A column of the history.
-fn values(bench: &Bench, folder: &str, name: &str) -> Vec<f64> {
-    let text = bench.read(&format!("{folder}/history.csv"));
-    let mut lines = text.lines();
-    let place = lines.next().unwrap().split(',').position(|of| of == name);
-    let place = place.unwrap_or_else(|| panic!("no column {name}"));
-    lines.map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect()
 }
 
 /// Terzaghi's consolidation: the pressure at the base is `p0 Σ 2/m sin(m) exp(-m² c t/h²)` with

@@ -76,7 +76,8 @@ checkpoint_steps = 5
 
 /// The numbers of a column of a history.
 pub(crate) fn column(history: &str, name: &str) -> Vec<f64> {
-    let place = history.lines().next().unwrap().split(',').position(|column| column == name).unwrap();
+    let place = history.lines().next().unwrap().split(',').position(|column| column == name);
+    let place = place.unwrap_or_else(|| panic!("no column {name}"));
     history.lines().skip(1).map(|row| row.split(',').nth(place).unwrap().parse().unwrap()).collect()
 }
 

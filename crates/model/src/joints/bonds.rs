@@ -218,7 +218,7 @@ impl<const D: usize> Bonds<D> {
             source.facets.iter_mut().for_each(|facet| *facet = facet.map(first));
         }
         for surface in model.pores.iter_mut().flat_map(|pores| &mut pores.surfaces) {
-            rename(&mut surface.target, first);
+            surface.target.nodes_mut().iter_mut().for_each(|node| *node = first(*node));
         }
         for (set, pairs, facets) in &self.sets {
             let facets: Vec<[u32; D]> = facets.iter().map(|facet| facet.map(first)).collect();
@@ -262,17 +262,6 @@ impl<const D: usize> Bonds<D> {
             *probe = probe.renumbered(Some, number);
         }
         Ok(())
-    }
-}
-
-/// Gives the nodes of a place other numbers.
-fn rename<const D: usize>(target: &mut Target<D>, number: impl Fn(u32) -> u32) {
-    let nodes = match target {
-        Target::Nodes(nodes) => &mut nodes[..],
-        Target::Facets(facets) | Target::Held(facets, _) => facets.as_flattened_mut(),
-    };
-    for node in nodes {
-        *node = number(*node);
     }
 }
 

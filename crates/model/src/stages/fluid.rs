@@ -3,8 +3,9 @@
 use fdem_simulation::fluid::{ApertureLaw, Connection, FlowModel, Fluid, Scheme, StateEquation};
 use fdem_simulation::{FluidOptions, WetFrom};
 
+use crate::stages::acting;
 use crate::text::document::{Document, Table};
-use crate::text::fault::{Fault, suggestion};
+use crate::text::fault::Fault;
 use crate::text::file::{self, ConnectionWord, ModelFile, SchemeWord, WetFromWord};
 
 /// Keys of joint sets that are for a fluid.
@@ -22,16 +23,7 @@ pub(crate) fn check(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<
         return;
     };
     check_state(fluid, document, faults);
-    if let Some(stage) = &fluid.from_stage
-        && first_stage(file).is_none()
-    {
-        let names: Vec<&str> = file.stage.iter().map(|stage| stage.name.as_str()).collect();
-        faults.push(
-            Fault::at(document.value(table, "from_stage"), format!("there is no stage \"{stage}\""))
-                .label("unknown stage")
-                .help(suggestion(stage, &names, "[[stage]]")),
-        );
-    }
+    acting::check_from_stage(file, table, fluid.from_stage.as_deref(), document, faults);
     if file.body.is_empty() {
         faults.push(
             Fault::at(document.extent(table), "a model without bodies has no cracks for a fluid")
@@ -217,16 +209,10 @@ pub(crate) fn options<const D: usize>(file: &ModelFile, gravity: [f64; D]) -> Op
 
 /// The number of the stage from which on there is fluid; `None` if no stage has the name.
 pub(crate) fn first_stage(file: &ModelFile) -> Option<usize> {
-    match &file.fluid.as_ref()?.from_stage {
-        None => Some(0),
-        Some(name) => file.stage.iter().position(|stage| stage.name == *name),
-    }
+    acting::first_stage(file, file.fluid.as_ref()?.from_stage.as_deref())
 }
 
 /// Whether each injection pumps in a stage, by its number; `None` if there is no fluid.
 pub(crate) fn pumps(file: &ModelFile, stage: usize) -> Option<Vec<bool>> {
-    let name = &file.stage[stage].name;
-    let is_on = |of: &file::Injection| of.stages.as_ref().is_none_or(|stages| stages.contains(name));
-    first_stage(file).filter(|first| *first <= stage)?;
-    Some(file.injection.iter().map(is_on).collect())
+    acting::act(file, first_stage(file), stage, file.injection.iter().map(|of| of.stages.as_deref()))
 }

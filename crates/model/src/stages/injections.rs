@@ -9,6 +9,7 @@ use crate::bodies::dimensions::Dimensions;
 use crate::joints::bonds::Bonds;
 use crate::output::fluid_columns::FLUID;
 use crate::shapes::placed::Placed;
+use crate::stages::acting::Times;
 use crate::stages::schedules::Factor;
 use crate::stages::{cavities, fluid};
 use crate::text::document::{Document, Table};
@@ -92,50 +93,6 @@ fn check_name(file: &ModelFile, document: &Document<'_>, index: usize, faults: &
     };
     let span = document.value(Table::of("injection", index), "name");
     faults.push(Fault::at(span, message).label("again").help("give it another name"));
-}
-
-/// The stages in which an injection or a surface of pores acts.
-pub(crate) struct Times<'a> {
-    pub(crate) table: Table,
-    /// "[[injection]] "name"".
-    pub(crate) title: &'a str,
-    pub(crate) stages: Option<&'a [String]>,
-    /// The table whose `from_stage` says where it can begin: "[fluid]".
-    pub(crate) begin: &'static str,
-}
-
-impl Times<'_> {
-    /// Reports unknown stages, and those before the `first` one in which it can act.
-    pub(crate) fn check(
-        &self,
-        file: &ModelFile,
-        first: Option<usize>,
-        document: &Document<'_>,
-        faults: &mut Vec<Fault>,
-    ) {
-        let &Self { table, title, stages, begin } = self;
-        let names: Vec<&str> = file.stage.iter().map(|stage| stage.name.as_str()).collect();
-        for (entry, name) in stages.iter().copied().flatten().enumerate() {
-            let span = document.entry(table, "stages", entry);
-            match names.iter().position(|stage| stage == name) {
-                None => faults.push(
-                    Fault::at(span, format!("there is no stage \"{name}\""))
-                        .label("unknown stage")
-                        .help(suggestion(name, &names, "[[stage]]")),
-                ),
-                Some(stage) if first.is_some_and(|first| stage < first) => faults.push(
-                    Fault::at(span, format!("{title}: {begin} begins after the stage \"{name}\""))
-                        .label("too early")
-                        .help(format!("name a later stage, or an earlier one in from_stage of {begin}")),
-                ),
-                Some(_) => {}
-            }
-        }
-        if stages.is_some_and(<[_]>::is_empty) {
-            let message = format!("{title} acts in no stage");
-            faults.push(Fault::at(document.value(table, "stages"), message).label("empty"));
-        }
-    }
 }
 
 /// The meshed parts of a model in which injections are looked for.

@@ -8,8 +8,9 @@ use fdem_simulation::{Model, Plane, PoreOptions, PoreSurface, Target};
 
 use crate::bodies::dimensions::Dimensions;
 use crate::bodies::materials;
+use crate::stages::acting;
 use crate::text::document::{Document, Table};
-use crate::text::fault::{Fault, suggestion};
+use crate::text::fault::Fault;
 use crate::text::file::{self, Gravity, MaterialPores, ModelFile, Permeability};
 
 /// Viscosity, Pa s, density, kg/m³, and bulk modulus, Pa, of water at 20 °C.
@@ -84,16 +85,7 @@ fn without(file: &ModelFile, document: &Document<'_>, faults: &mut Vec<Fault>) {
 /// Checks the pressure at the beginning, and the stage in which pores begin to have their liquid.
 fn check_begin(file: &ModelFile, pores: &file::Pores, document: &Document<'_>, faults: &mut Vec<Fault>) {
     let table = Table::one("pores");
-    if let Some(stage) = &pores.from_stage
-        && first_stage(file).is_none()
-    {
-        let names: Vec<&str> = file.stage.iter().map(|stage| stage.name.as_str()).collect();
-        faults.push(
-            Fault::at(document.value(table, "from_stage"), format!("there is no stage \"{stage}\""))
-                .label("unknown stage")
-                .help(suggestion(stage, &names, "[[stage]]")),
-        );
-    }
+    acting::check_from_stage(file, table, pores.from_stage.as_deref(), document, faults);
     if pores.water_level.is_none() {
         return;
     }
@@ -262,10 +254,7 @@ where
 
 /// The number of the stage from which on pores have their liquid; `None` if no stage has the name.
 pub(crate) fn first_stage(file: &ModelFile) -> Option<usize> {
-    match &file.pores.as_ref()?.from_stage {
-        None => Some(0),
-        Some(name) => file.stage.iter().position(|stage| stage.name == *name),
-    }
+    acting::first_stage(file, file.pores.as_ref()?.from_stage.as_deref())
 }
 
 /// The pores of a model that has their liquid from the beginning.
@@ -298,10 +287,7 @@ pub(crate) fn standing<const D: usize>(
 
 /// Whether each surface acts in a stage, by its number; `None` if pores have no liquid there.
 pub(crate) fn act(file: &ModelFile, stage: usize) -> Option<Vec<bool>> {
-    let name = &file.stage[stage].name;
-    let is_on = |of: &file::PoreSurface| of.stages.as_ref().is_none_or(|stages| stages.contains(name));
-    first_stage(file).filter(|first| *first <= stage)?;
-    Some(file.pore_surface.iter().map(is_on).collect())
+    acting::act(file, first_stage(file), stage, file.pore_surface.iter().map(|of| of.stages.as_deref()))
 }
 
 /// A sealed surface: it keeps its column in the history.

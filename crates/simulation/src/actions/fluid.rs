@@ -82,12 +82,15 @@ pub(crate) struct FluidAction<const D: usize> {
 }
 
 impl<const D: usize> FluidAction<D> {
-    /// Takes over `α p` of elements with liquid in their pores, if the fluid takes a step. `elements`: their
-    /// numbers, ascending.
-    pub(crate) fn know_pores(&mut self, elements: &[u32], pushes: impl FnOnce() -> Vec<f64>) {
-        if self.network.is_some() && self.left == 0 {
-            self.pushes = elements.iter().copied().zip(pushes()).collect();
-        }
+    /// Whether this step depends on the pressures in the pores of elements: the fluid takes a step, and
+    /// stress closes joints.
+    pub(crate) fn needs_pores(&self, options: Option<&FluidOptions<D>>) -> bool {
+        self.left == 0 && options.is_some_and(|options| options.closing_stress().is_some())
+    }
+
+    /// Takes over `α p` of the elements with liquid in their pores, Pa, ascending.
+    pub(crate) fn know_pores(&mut self, pushes: impl Iterator<Item = (u32, f64)>) {
+        self.pushes = pushes.collect();
     }
 
     pub(crate) fn network(&self) -> Option<&Network<D>> {
@@ -419,8 +422,7 @@ where
         if found != 0 && found != expected {
             return Err(ModelError::Length { what: "apertures of joint sets", found, expected });
         }
-        let mut laws = std::iter::once(&options.aperture).chain(&options.set_apertures);
-        if let Some(value) = laws.find_map(|law| law.reference_stress)
+        if let Some(value) = options.closing_stress()
             && options.flow.scheme == Scheme::Explicit
         {
             // The pressure of the step before would close and open joints in turn.

@@ -48,6 +48,11 @@ impl<const D: usize> FluidOptions<D> {
         }
     }
 
+    /// A stress that closes joints, Pa: the first of all laws of the aperture; `None` if there is none.
+    pub(crate) fn closing_stress(&self) -> Option<f64> {
+        std::iter::once(&self.aperture).chain(&self.set_apertures).find_map(|law| law.reference_stress)
+    }
+
     /// The fluid in a part of a model: sources have the facets that are left, and those without any are left
     /// out. `nodes`: the number in the part of each node.
     pub(crate) fn on_part(mut self, nodes: &[Option<u32>]) -> Self {

@@ -59,13 +59,13 @@ impl<const D: usize> PoreOptions<D> {
         let number = |node: u32| nodes.get(node as usize).copied().flatten();
         for surface in &mut self.surfaces {
             match &mut surface.target {
-                Target::Nodes(all) => *all = all.iter().filter_map(|node| number(*node)).collect(),
+                Target::Nodes(all) => all.retain(|node| number(*node).is_some()),
                 Target::Facets(facets) | Target::Held(facets, _) => {
                     facets.retain(|facet| facet.iter().all(|node| number(*node).is_some()));
-                    for node in facets.as_flattened_mut() {
-                        *node = number(*node).unwrap_or(*node);
-                    }
                 }
+            }
+            for node in surface.target.nodes_mut() {
+                *node = number(*node).unwrap_or(*node);
             }
         }
         self.surfaces.retain(|surface| !surface.target.is_empty());

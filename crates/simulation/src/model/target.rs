@@ -37,6 +37,14 @@ impl<const D: usize> Target<D> {
         nodes
     }
 
+    /// Nodes of the target as it has them, to be given other numbers.
+    pub fn nodes_mut(&mut self) -> &mut [u32] {
+        match self {
+            Self::Nodes(nodes) => nodes,
+            Self::Facets(facets) | Self::Held(facets, _) => facets.as_flattened_mut(),
+        }
+    }
+
     /// Its facets; none if it has nodes alone.
     pub fn facets(&self) -> &[[u32; D]] {
         match self {
